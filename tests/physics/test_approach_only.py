@@ -17,7 +17,8 @@ TOLERANCES = [1e-6, 1e-8, 1e-10]
 
 
 def sliding(shape, inside, stiffness, ratio, mass, angle, speed):
-    """Set down where load and spring balance, with a speed across the slope, and how long it may slide"""
+    """The ball is set down at the balance of load and spring, with a speed across the slope and a time to
+    slide."""
     reach, height = (0.4, -1.0) if inside else (0.6, 1.0)
     turn = speed / reach if shape == "sphere" else 0.0
     load = mass * (9.81 * math.cos(angle) + (reach * turn**2 if inside else -reach * turn**2))
@@ -33,14 +34,15 @@ def sliding(shape, inside, stiffness, ratio, mass, angle, speed):
 
 
 def stiff_end(values, shape, end):
-    """As if undamped: the dashpot moves the ball by no more than it holds it back along the normal"""
+    """The dashpot moves the ball by no more than it holds it back along the normal, so it ends as if
+    undamped."""
     return StiffContact({**values, "contact.method": "penalty"}, shape).end(end)
 
 
 @pytest.mark.parametrize("seed", seeds(12))
 def test_stiffness_costs_no_events(opened, seed):
-    """The gap rate touches zero in a few turns of the oscillation for each turn of the load, the more the
-    heavier the dashpot, which holds the ball for so many turns; however many turns there are in all."""
+    """For each turn of the load the gap rate touches zero in a few turns of the oscillation. A heavier
+    dashpot holds the ball for more turns. Their number does not grow with the stiffness."""
     draw = np.random.default_rng(seed)
     shape, inside = str(draw.choice(list(FMU))), bool(draw.random() < 0.7)
     mass, ratio = 10.0 ** draw.uniform(-1.0, 1.0), math.exp(draw.uniform(math.log(0.5), math.log(100.0)))
@@ -83,7 +85,7 @@ def test_a_load_that_sways_turns_a_few_times(opened, stiffness, damping, toleran
 @pytest.mark.parametrize("ratio", [0.01, 0.2, 1.5])
 @pytest.mark.parametrize("geometry", [*GEOMETRIES, PLANE])
 def test_a_ball_set_down_comes_to_rest_as_the_closed_form_says(opened, geometry, ratio, penalty):
-    """However stiff, to 1e-7 of the penetration, or of the last digits of the place"""
+    """The error is 1e-7 of the penetration, or the last digits of the place, at any stiffness."""
     one = HeadOn(geometry=geometry, law="approach_only", ratio=ratio, penalty=penalty, gap=0.0, speed=0.0)
     set_down = replace(one, place=-one.reach if one.inside else one.reach, end=40 * one.contact_time())
     right = set_down.expected()
@@ -98,7 +100,7 @@ def test_a_ball_set_down_comes_to_rest_as_the_closed_form_says(opened, geometry,
 @pytest.mark.parametrize("chi", [1.0, 20.0])
 @pytest.mark.parametrize("shape", ["SpherePlane", "SphereSphere", "SphereCylinder"])
 def test_a_ball_set_down_under_hertz_s_law_swings_as_dop853_says(opened, shape, chi, stiffness):
-    """Depths in load / k_h to the power 2/3, speeds so that chi of the numbers is `chi`"""
+    """Depths are in units of (load / k_h)^(2/3), and speeds so that the law's number chi is `chi`."""
     load = 9.81
     depth = (load / stiffness) ** (2 / 3)
     unit = math.sqrt(depth / load)
@@ -114,7 +116,7 @@ def test_a_ball_set_down_under_hertz_s_law_swings_as_dop853_says(opened, shape, 
 
 
 def settled_depth(chi, end):
-    """y'' = 1 - y^(3/2) (1 + chi y'), without chi where y' < 0; from rest at 0"""
+    """Solves y'' = 1 - y^(3/2) (1 + chi y') from rest at 0, without chi where y' < 0."""
 
     def turns(t, y):
         return y[1]

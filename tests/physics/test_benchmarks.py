@@ -18,7 +18,7 @@ EXACT = 1e-9  # m, event_driven
 @pytest.mark.parametrize("method", ["cvode_bdf", "cvode_adams"])
 @pytest.mark.parametrize("name", BENCHMARKS)
 def test_cvode_ends_at_the_reference(opened, name, method, steps, tolerance, allowed):
-    """At the everyday tolerance 1e-8 still to a tenth of a millimetre"""
+    """At the everyday tolerance of 1e-8 the place is right to a tenth of a millimetre."""
     problem = BENCHMARKS[name]
     fmu = run(opened(problem.fmu), problem.configuration, problem.end, steps, tolerance, method)
     check_close(f"{name} position", fmu["source.position"], problem.position, allowed)
@@ -28,7 +28,7 @@ def test_cvode_ends_at_the_reference(opened, name, method, steps, tolerance, all
 @pytest.mark.parametrize("steps", [1, 10, 997])
 @pytest.mark.parametrize("name", BENCHMARKS)
 def test_event_driven_is_exact_to_a_nanometre(opened, name, steps, tolerance):
-    """With the FMU's own tolerance too"""
+    """The claim holds at the FMU's default tolerance too."""
     problem = BENCHMARKS[name]
     fmu = run(opened(problem.fmu), problem.configuration, problem.end, steps, tolerance, "event_driven")
     check_close(f"{name} position", fmu["source.position"], problem.position, EXACT)
@@ -56,7 +56,7 @@ WIDE, CREEPING = stored("wide"), stored("overdamped")
 
 
 def asked(configuration, tolerance, by):
-    """The tolerance as the importer's, or as the parameter"""
+    """Gives the tolerance as the importer's, or as the parameter."""
     if by == "importer":
         return configuration, tolerance
     return {**configuration, "solver.relative_tolerance": tolerance}, None
@@ -96,7 +96,7 @@ def test_communication_steps_cost_no_accuracy(opened, row):
 
 
 def test_the_scenes_are_of_many_kinds():
-    """Each kind of contact is among those the references had: flights, trains of bounces, lasting contact"""
+    """The references hold each kind of contact: flights, trains of bounces, lasting contact."""
     rows = WIDE
     assert len(rows) == 200
     assert sum(row["onsets"] == 0 for row in rows) < 10

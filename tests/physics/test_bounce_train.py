@@ -27,7 +27,7 @@ EXACT = 1e-10  # s
 
 
 def damping(dashpot, stiffness):
-    """p_nv for 1 kg that leaves half of the speed without gravity"""
+    """Returns p_nv for 1 kg that leaves half of the speed without gravity."""
 
     def excess(share):
         given = 2 * share * math.sqrt(stiffness)
@@ -46,7 +46,7 @@ def durations(train):
 
 
 def drop(shape, location, dashpot, stiffness):
-    """Straight down along -ACROSS on the outside, along ACROSS in a hollow body of 2 m"""
+    """The ball falls along -ACROSS onto the outside, and along ACROSS in a hollow body of 2 m."""
     inside = location == "inside"
     radius = 2.0 if inside else 0.5
     outward = 1.0 if inside else -1.0
@@ -59,14 +59,14 @@ def drop(shape, location, dashpot, stiffness):
 
 
 def late(expected):
-    """What the last onset may be off by: the way to it is rounded, and gone slowly at the end"""
+    """Returns the allowed error of the last onset, whose path is rounded and slow."""
     flight = expected.onset_times[-1] - expected.end_times[-1]
     return EXACT + 16 * np.finfo(float).eps * 2.0 / float(WEIGHT * flight / 2)
 
 
 @pytest.mark.parametrize("dashpot", DASHPOTS)
 def test_the_closed_form_is_the_reference_integrators(dashpot):
-    """Two ways of counting, both in many digits"""
+    """Two independent methods agree in many digits."""
     expected = train(dashpot, 1e6)
     values = drop("sphere", "outside", dashpot, 1e6)
     values.update({"source.center": [0.0, 0.0, 1.6], "gravity": [0.0, 0.0, -WEIGHT]})
@@ -110,7 +110,7 @@ def test_each_bounce_is_counted_until_the_ball_rests(opened, shape, location, da
 @pytest.mark.parametrize("steps", [1, 997])
 @pytest.mark.parametrize("dashpot", DASHPOTS)
 def test_the_train_is_told_bounce_by_bounce(opened, dashpot, steps):
-    """Between each two onsets of the closed form, the FMU has had the first one only."""
+    """Between two onsets of the closed form the FMU has counted the first one only."""
     fmu, expected = opened("SphereSphere"), train(dashpot, 1e6)
     times = [float(t) for t in expected.onset_times]
     run(fmu, drop("sphere", "outside", dashpot, 1e6), times[0] / 2, 1, TOLERANCE, METHOD)

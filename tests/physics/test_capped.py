@@ -19,7 +19,7 @@ FMU = "SphereCylinder"
 
 
 def capped(position, velocity=(0.0, 0.0, 0.0), **more):
-    """A ball at an upright cylinder, a little damped; `more` with _ for the first dot of the names"""
+    """A slightly damped ball is at an upright cylinder. Names in `more` have _ in place of the first dot."""
     values = {"source.radius": R_S, "source.center": list(position)}
     values |= {"source.initial_velocity": list(velocity), "destination.radius": R_D}
     values |= {"destination.finite_length": True, "destination.length": LENGTH, "destination.ends": "capped"}
@@ -40,7 +40,7 @@ def linear_or_hertz(hertz, stiffness, damping):
 
 
 def random_law(choose, mass):
-    """Linear or Hertz's, from no damping to twice the critical one of the reduced mass"""
+    """Returns the linear or Hertz's law, from no damping to twice the critical one of the reduced mass."""
     law = {"contact.dashpot": choose.choice(["non_adhesive", "unclamped", "approach_only"])}
     if choose.random() < 0.3:
         return law | linear_or_hertz(True, 10 ** choose.uniform(5, 8), choose.choice([0, 0.1, 1.0]))
@@ -50,7 +50,7 @@ def random_law(choose, mass):
 
 
 def scene(seed):
-    """A ball near the rim, at it or a little within, that goes any way; and the end."""
+    """A ball starts near the rim, at it or a little within, and moves any way. Also returns the end."""
     choose = random.Random(seed)
     axis, outward = vector(choose), vector(choose)
     axis /= np.linalg.norm(axis)
@@ -107,7 +107,7 @@ def test_from_the_edge_of_the_cap_it_goes_along_or_across(opened, over, hertz, s
 
 
 def test_a_ball_rests_balanced_on_the_rim(opened):
-    """Gravity along the rim's normal, the ball at the depth where the force holds it: nothing moves."""
+    """Gravity acts along the rim's normal, and the depth balances it: nothing moves."""
     n = np.array([np.sqrt(0.5), 0.0, np.sqrt(0.5)])
     position = np.array([R_D, 0.0, 0.5 * LENGTH]) + (R_S - 9.81 / 1e5) * n
     fmu = opened(FMU)
@@ -127,7 +127,7 @@ def test_starts_within_the_solid_leave_by_the_nearest_face(opened, place):
 
 @pytest.mark.parametrize("hertz", [False, True])
 def test_a_ball_shot_through_the_circle_of_the_rim_goes_on(opened, hertz, dashpot):
-    """At the circle itself all zones meet. It goes on over the cap, as one beside it does."""
+    """All zones meet at the circle. The ball goes on over the cap, as one beside it does."""
     begin = np.array([R_D + 0.03, 0.0, 0.5 * LENGTH])
     law = linear_or_hertz(hertz, 2e5 if hertz else 4.3e4, 0.01 if hertz else 5.0)
     values = capped(begin, (-7.7, 0.0, 0.0), source_radius=0.02, contact_dashpot=dashpot) | law

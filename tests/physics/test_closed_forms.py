@@ -53,7 +53,8 @@ def test_restitution_duration_and_peaks_are_the_damped_oscillators(
 
 @pytest.mark.parametrize("shape, location", GEOMETRIES)
 def test_momentum_and_angular_momentum_of_two_free_bodies_stay(opened, shape, location, dashpot, method):
-    """Oblique, without gravity: angular momentum stays about the axis, for spheres about the origin."""
+    """The impact is oblique, without gravity. Angular momentum about the axis stays, for spheres about the
+    origin."""
     configuration = head_on(
         shape, location, contact_method="penalty_dynamic", contact_dashpot=dashpot, destination_motion="free"
     )
@@ -102,10 +103,9 @@ def test_a_body_at_rest_sinks_in_by_weight_over_stiffness_and_stays(opened, shap
 
 @pytest.mark.parametrize("steps", [1, 3, 7, 100])
 def test_a_slide_presses_hardest_at_its_lowest_point_with_the_oscillation_on_top(opened, steps):
-    """Let go 60° off the lowest line of a hollow cylinder, without a dashpot: the load grows from m g/2 to
-    2 m g, and by m g/2 the force oscillates about it, 16 000 times a second. Off by the parabola that the
-    load falls from its largest in half an oscillation, (turning/omega)^2, and by how soft the wall is: 1e-8.
-    """
+    """The ball is let go 60° off the lowest line of a hollow cylinder without a dashpot. The load grows from
+    m g/2 to 2 m g, and the force oscillates about it by m g/2, 16 000 times a second. The load falls by
+    (turning/omega)^2 within half an oscillation, and the wall is soft: both are below 1e-8."""
     weight = 0.1 * 9.81
     values = {"source.radius": 0.05, "source.mass": 0.1}
     values |= {"source.center": [0.45 * math.sqrt(0.75), 0.0, -0.225], "destination.axis": [0.0, 1.0, 0.0]}

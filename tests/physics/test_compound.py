@@ -104,7 +104,7 @@ def test_between_communication_points_the_foot_turns_with_its_angular_velocity(o
 
 
 def test_sums_over_a_step_are_those_of_finer_steps(opened):
-    """The mean force of a step is an integral: that of one step is that of a thousand"""
+    """The mean force of a step is an integral: one step and a thousand steps agree."""
     fmu = opened("FootForceElement")
     means = []
     for steps in (1, 1000):
@@ -148,7 +148,7 @@ def state(fmu, body):
 
 
 def tripod(p_nv, mu):
-    """The start of a tumbling tripod, as parameters, and its reference with the same start"""
+    """Returns the start of a tumbling tripod as parameters, and its reference with this start."""
     y = np.array([0.0, 0.0, 0.28, 1.0, 0.2, 0.0, 1.0, 0.0, 0.0, 0.0, 0.5, -0.3, 2.0])
     values = laws(TRIPOD, 1e5, p_nv, mu, 0.01) | {"tripod.center": y[:3], "tripod.initial_velocity": y[3:6]}
     values |= {"tripod.initial_angular_velocity": y[10:]}
@@ -163,7 +163,7 @@ def tripod_after(p_nv, mu, end):
 
 @functools.cache
 def pin_after(end):
-    """Where no part is on the axis at the start, since no normal is defined there"""
+    """Returns the pin's state after `end`. No part starts on the axis, where no normal is defined."""
     inertia = np.array([9e-5, 9e-5, 7.5e-6])
     pin = FreeBody(Pin(0.0102, PIN.values(), 1e6, 20.0), 0.15, inertia, (0.0, 0.0, 0.0))
     return pin.run([1e-6, 0.0, 0.0, 0.1, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.5, 1.0, 3.0], end)
@@ -244,7 +244,7 @@ BARS = {"one": np.array([0.01, 0.03, 0.035]), "two": np.array([0.008, 0.02, 0.02
 
 
 def momenta(fmu, masses):
-    """Momentum and angular momentum about the origin"""
+    """Returns momentum and angular momentum about the origin."""
     sums = np.zeros(6)
     for body, inertia in BARS.items():
         y = state(fmu, body)
@@ -257,7 +257,7 @@ def momenta(fmu, masses):
 
 @pytest.mark.parametrize("friction", ["none", "regularized", "elastic"])
 def test_momenta_and_energy_of_bodies_that_meet_by_their_parts_last(opened_several, friction):
-    """Parts of compounds and a ball are sources and destinations of each other"""
+    """Parts of compounds and a ball are sources and destinations of each other."""
     rng = np.random.default_rng(5)
     touched, fmu = 0, opened_several("TwoBars")
     pairs = ("aa", "ab", "ba", "bb", "ball_a", "ball_b")

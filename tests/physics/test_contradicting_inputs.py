@@ -43,7 +43,7 @@ def test_a_ball_on_a_contradiction(opened, dashpot, method):
 @pytest.mark.parametrize("steps", [1, 7, 200])
 @pytest.mark.parametrize("velocity", [0.0, 3.0, -2.0, 2.9])
 def test_the_gap_follows_the_displacement(opened, velocity, method, steps):
-    """Deepest at 0.1 m between the centres, whatever velocity the law sees, also while it is released."""
+    """The centres come as near as 0.1 m, whatever velocity the law sees."""
     rate = [3.0, 0.0, 0.0]
     values = {**PASSING, "source.prescribed_velocity": [velocity, 0.0, 0.0]}
     values |= {"source.prescribed_displacement.derivatives": [rate]}
@@ -113,7 +113,7 @@ def test_a_swing_given_with_derivatives_is_not_warned_of(opened):
 
 
 def test_the_warning_is_part_of_the_state(opened):
-    """Not given again after a saved state is restored; again after a state from before it, and a reset."""
+    """A reset, or a restored state from before the warning, lets the warning come again."""
     fmu = start(opened("SphereSphere"), FALLING, 1e-8, "event_driven")
     before = fmu.save()
     fmu.step(0.1)

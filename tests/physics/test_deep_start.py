@@ -62,8 +62,8 @@ def test_a_dashpot_alone_stores_nothing(opened):
 
 @pytest.mark.parametrize("depth", [0.045, 0.05, 0.06, 0.1, 1.0])
 def test_a_plane_that_accelerates_takes_no_more_steps_below_the_centre_than_above(opened, depth):
-    """A small ball, far beyond critical damping: a plane has no centre, at any depth. The law is linear, and
-    so is the gap later in the gap at the start."""
+    """A small ball is damped far beyond critically. A plane has no centre, at any depth: the law is linear,
+    and the later gap is linear in the gap at the start."""
     gaps = []
     for start_depth in (0.02, 0.04, depth):
         values = {"source.radius": 0.05, "source.mass": 1e-3, "source.center": [0.0, 0.0, 0.05 - start_depth]}

@@ -21,7 +21,7 @@ def check_finite(fmu):
 
 
 def warnings(fmu):
-    """But for the one about a deep overlap at the start."""
+    """Returns all warnings except the one about a deep overlap at the start."""
     told = [message for message in fmu.messages if message.category == "logStatusWarning"]
     return [message for message in told if "more than a tenth of the smaller radius" not in message.text]
 
@@ -47,7 +47,7 @@ def test_concentric_hollow_bodies_do_not_touch(opened, shape, location):
 
 
 def test_a_ball_flies_through_the_middle_of_a_hollow_body(opened, shape, method):
-    """Head-on back and forth through d = 0: four bounces of an undamped ball, one communication step."""
+    """An undamped ball passes d = 0 to and fro and bounces four times in one communication step."""
     fmu = run(opened(FMU[shape]), head_on(shape, "inside", gap=0.4), 4.0, 1, method=method)
     period = 0.8 + math.pi * 1e-3
     assert fmu["contact.onsets"] == 5
@@ -57,7 +57,7 @@ def test_a_ball_flies_through_the_middle_of_a_hollow_body(opened, shape, method)
 
 
 def test_overlapping_solids_at_the_same_place_push_along_a_fixed_direction(opened, shape):
-    """No normal is defined: a documented unit vector (across a cylinder's axis), one warning, all finite"""
+    """No normal is defined: docs name a unit vector (across a cylinder's axis). One warning is given."""
     fmu = start(opened(FMU[shape]), concentric(shape, contact_location="outside", contact_method="penalty"))
     directions = []
     for _ in range(3):
@@ -76,8 +76,8 @@ def test_overlapping_solids_at_the_same_place_push_along_a_fixed_direction(opene
 
 
 def test_the_direction_at_the_axis_is_that_of_the_step_before(opened):
-    """In flight, where steps are deferred: the source comes to the axis of a hollow cylinder at 7/16 s along
-    x = (7/16 - t) / 2, y = (7/16 - t)^2. There e_c, from the axis to the wall, is that of 6/16 s."""
+    """Flight defers steps: the source comes to the axis of a hollow cylinder at 7/16 s along x = (7/16 - t) /
+    2, y = (7/16 - t)^2. There e_c, from the axis to the wall, is that of 6/16 s."""
     values = {"destination.axis": [0.0, 0.0, 1.0], "contact.location": "inside", "gravity": [0.0, 2.0, 0.0]}
     values |= {"source.center": [7 / 32, 49 / 256, 0.0], "source.initial_velocity": [-0.5, -0.875, 0.0]}
     fmu = run(opened("SphereCylinder"), values, 7 / 16, 7)
@@ -119,7 +119,7 @@ LOCATIONS = {  # r_s, r_d, d -> location
 @pytest.mark.parametrize("case", LOCATIONS)
 @pytest.mark.parametrize("motion", ["prescribed", "free"])
 def test_automatic_location_is_inside_if_the_centre_starts_inside_and_fits(opened, shape, motion, case):
-    """Where the displacement puts the body at the start counts, not the undeformed centre alone."""
+    """The displaced place at the start counts, not the undeformed centre alone."""
     r_s, r_d, distance, location = LOCATIONS[case]
     values = concentric(shape, source_radius=r_s, destination_radius=r_d, source_motion=motion)
     row = "prescribed" if motion == "prescribed" else "initial"
@@ -143,7 +143,7 @@ def test_location_stays_what_it_was_at_the_start(opened, shape, location):
 
 @pytest.mark.parametrize("shape, location", GEOMETRIES)
 def test_a_start_in_the_middle_of_a_contact_counts_as_an_onset(opened, shape, location, method):
-    """Let go at depth s with zero speed: it leaves with omega s after a quarter of a period."""
+    """Let go at depth s without speed, the ball leaves with omega s after a quarter of a period."""
     depth, stiffness = 1e-3, 1e6
     fmu = start(opened(FMU[shape]), head_on(shape, location, gap=-depth, speed=0.0), 1e-10, method)
     assert (fmu["contact.onsets"], fmu["contact.active"], fmu["contact.last_onset_time"]) == (1, True, 0)

@@ -16,7 +16,7 @@ def unit(vector):
 
 
 def dying_scene(draw, shape, inside, frame):
-    """A configuration, the rate of the slower decay, and the frame's velocity"""
+    """Returns a configuration, the rate of the slower decay, and the frame's velocity."""
     ratio = float(draw.choice([1.0, 1.001, 1.02, 1.05, 1.2, 1.5, 3.0, 10.0, 100.0]))
     stiffness = 10.0 ** draw.uniform(2.0, 12.0)
     mass = 10.0 ** draw.uniform(-3.0, 3.0)
@@ -66,7 +66,7 @@ def check_died(fmu):
 @pytest.mark.parametrize("frame", FRAMES)
 @pytest.mark.parametrize("inside", [True, False])
 def test_a_contact_dies_away_once(opened, shape, inside, frame, seed):
-    """Communication points anywhere from a hundredth to thousands of the slower decay's times"""
+    """Communication points lie from a hundredth to thousands of the slower decay's times."""
     draw = np.random.default_rng([seed, FRAMES.index(frame), inside, shape == "sphere"])
     values, rate, drift = dying_scene(draw, shape, inside, frame)
     fmu = start(opened(FMU[shape]), values, None, "event_driven")
@@ -77,7 +77,7 @@ def test_a_contact_dies_away_once(opened, shape, inside, frame, seed):
 
 @pytest.mark.parametrize("seed", range(40))
 def test_a_stop_one_rounding_beside_the_touch(opened, seed):
-    """The ball flies to the wall; the importer stops at the touch, or a rounding before or after"""
+    """The ball flies to the wall. The importer stops at the touch, or a rounding before or after it."""
     draw = np.random.default_rng(seed)
     shape, inside = str(draw.choice(list(FMU))), bool(draw.integers(2))
     values, rate, _ = dying_scene(draw, shape, inside, "fixed")

@@ -10,7 +10,7 @@ from support.sources import ROOT
 
 @pytest.mark.parametrize("name, kind", [("contact_core", "SCENES"), ("unit_geometry", "EXTRA_SCENES")])
 def test_a_scene_named_like_a_target_of_the_project_is_refused_in_words(tmp_path, name, kind):
-    """Of one that is defined before the scenes, and of one that the tests define"""
+    """One such target is defined before the scenes, the other one by the tests."""
     text = (ROOT / "tests" / "physics" / "scenes" / "TwoPairs.toml").read_text(encoding="utf-8")
     scene = tmp_path / f"{name}.toml"
     scene.write_text(text.replace('"TwoPairs"', f'"{name}"'), encoding="utf-8")

@@ -30,7 +30,7 @@ def outputs_that_differ(fmu, when, expected):
 
 
 def wrong_in(fmu, random, values, shape, inside, scale=1.0):
-    """Everything that differs in the three readings of one configuration."""
+    """Returns everything that differs in the three readings of one configuration."""
     contact = ReferenceContact(values, shape)
     assert (contact.location == "inside") == inside
     start(fmu, {name: value for name, value in values.items() if name in fmu})
@@ -71,7 +71,7 @@ def test_force_element_equals_the_recomputation(opened, name):
 
 @pytest.mark.parametrize("name", SHAPES)
 def test_a_common_offset_of_a_million_metres_costs_no_digits(opened, name):
-    """X_dst - X_src is rounded once, relative to itself; only the point's tolerance has the offset in it."""
+    """X_dst - X_src is rounded once, relative to itself. Only the point's tolerance contains the offset."""
     check_random(opened(name), name, seed=100, count=60, offset=1e6)
 
 
@@ -83,7 +83,7 @@ def test_sizes_neither_overflow_nor_underflow(opened, name, exponent):
 
 @pytest.mark.parametrize("name", SHAPES)
 def test_inputs_hold_their_value_over_a_step_where_no_derivative_is_given(opened, name):
-    """A pure force element is moved by explicit derivatives only, not by its velocity input."""
+    """Explicit derivatives alone move a pure force element, its velocity input does not."""
     values, _ = random_configuration(np.random.default_rng(5), SHAPES[name])
     fmu = start(opened(name), {key: value for key, value in values.items() if key in opened(name)})
     before = fmu["contact.gap"], fmu["contact.gap_rate"], fmu["contact.normal_force"]
@@ -129,7 +129,8 @@ def law(values, gap, rate):
 
 
 def sampled(values, moved, times):
-    """Force on the source, normal force and gap at many times; `moved`: input -> coefficients of time."""
+    """Returns force on the source, normal force and gap at `times`. `moved` maps inputs to polynomials of
+    time."""
     at = {name: polynomial(terms, times) for name, terms in moved.items()}
     apart = np.subtract(values["destination.center"], values["source.center"])
     c = apart + at["destination.prescribed_displacement"] - at["source.prescribed_displacement"]
@@ -150,7 +151,7 @@ def sampled(values, moved, times):
 
 
 def expected(values, moved, length):
-    """Mean by the midpoint rule, peaks, and by how much force and gap change from one sample to the next"""
+    """Returns the mean by the midpoint rule, the peaks, and the steps of force and gap between samples."""
     places = np.concatenate([[0.0], (np.arange(CELLS) + 0.5) / CELLS, [1.0]])
     vector, force, gap = sampled(values, moved, length * places)
     depth = np.maximum(-gap, 0.0)
@@ -166,7 +167,7 @@ def configuration(random):
 
 
 def random_paths(random, values, inside, length):
-    """Displacements of degree two, with velocities that are their derivatives or are not."""
+    """Returns displacements of degree two, with velocities that are their derivatives or are not."""
     inputs = random_inputs(random, values, "cylinder", inside, 1.0)
     size = min(values["source.radius"], values["destination.radius"])
     moved = {name: [inputs[name], np.zeros(3), np.zeros(3)] for name in INPUTS}

@@ -27,7 +27,8 @@ def reference(values, shape, end):
 @pytest.mark.parametrize("share", [1e-6, 1e-9, 1e-12])
 @pytest.mark.parametrize("location", ["outside", "inside"])
 def test_a_graze_along_a_cylinder(opened, location, share, damping, steps):
-    """1000 m/s along the axis, `share` of it towards the surface: head-on, but for the rounding of 50 m."""
+    """The ball has 1000 m/s along the axis, `share` of it towards the surface: head-on but for rounding of 50
+    m."""
     along, stiffness, end = 1000.0, 1e6, 0.05
     speed = share * along
     values = head_on("cylinder", location, gap=0.01 * speed, speed=speed)
@@ -54,7 +55,7 @@ def test_a_graze_along_a_cylinder(opened, location, share, damping, steps):
 @pytest.mark.parametrize("steps", STEPS)
 @pytest.mark.parametrize("overlap", [1e-3, 1e-6, 1e-9, 1e-11, 1e-12, 1e-13])
 def test_a_straight_pass_that_dips_in(opened, shape, overlap, steps):
-    """At the deepest by `overlap`: the impact speed is sqrt(2 overlap / 0.6 m) of the speed, down to 6e-7."""
+    """The depth is at most `overlap`: the impact has sqrt(2 overlap / 0.6 m) of the speed, down to 6e-7."""
     values, end = passing(shape, -overlap), 1.5
     expected = reference(values, shape, end)
     fmu = run(opened(FMU[shape]), values, end, steps, TOLERANCE, METHOD)
@@ -76,7 +77,7 @@ def test_a_straight_pass_that_just_does_not(opened, shape, clear, steps):
 
 
 def skimming(location, share, speed):
-    """Touching exactly at the start, with `share` of the speed into the other body, no gravity"""
+    """The bodies touch exactly at the start, with `share` of the speed into the other body and no gravity."""
     inside = location == "inside"
     values = {"destination.radius": 0.5, "source.center": [0.0, 0.0, 0.4 if inside else 0.6]}
     values |= {"source.initial_velocity": [speed, 0.0, (1 if inside else -1) * share * speed]}
@@ -88,9 +89,9 @@ def skimming(location, share, speed):
 @pytest.mark.parametrize("share", [1e-3, 1e-6, 1e-9, 1e-12])
 @pytest.mark.parametrize("location, speed, allowed", [("outside", 10.0, 1e-12), ("inside", 1.0, 1e-11)])
 def test_a_graze_that_starts_touching(opened, location, speed, allowed, share, steps):
-    """Outside it is away within 2 share R / v, of which the depth, R share^2 / 2, is far below the last digit
-    of R for most. Inside it is thrown round against the wall and comes off again at each turn of its
-    oscillation, if only just, or, where `share` is below rounding, never; the motion is the same."""
+    """Outside, the ball is away within 2 share R / v, at a depth of R share^2 / 2, mostly far below the last
+    digit of R. Inside, it is thrown against the wall and comes off at each turn of its oscillation, or never
+    where `share` is below rounding. The motion is the same."""
     values, end = skimming(location, share, speed), 0.1
     expected = reference(values, "sphere", end)
     fmu = run(opened("SphereSphere"), values, end, steps, TOLERANCE, METHOD)
@@ -110,7 +111,7 @@ EXACT = 1e-11  # s
 
 @pytest.mark.parametrize("seed", range(12))
 def test_a_long_throw_comes_down_on_a_small_body_in_one_step(opened, shape, seed, method):
-    """A parabola of seconds aimed within a radius or so of a small body: hit or miss as in the reference."""
+    """A parabola of seconds is aimed near a small body. It hits or misses as in the reference."""
     random = np.random.default_rng(seed)
     flight, gravity = random.uniform(5, 20), np.array([0.0, 0.0, -9.81])
     aim = 0.012 * random.uniform(-1, 1, size=3)
@@ -136,7 +137,7 @@ def test_a_long_throw_comes_down_on_a_small_body_in_one_step(opened, shape, seed
 
 
 def tube(**more):
-    """A ball lying at the bottom of a finite tube along y, sunk in by m g / k, sliding along with 1 m/s."""
+    """A ball lies at the bottom of a finite tube along y, m g / k deep, and slides along it with 1 m/s."""
     values = {"source.radius": 0.1, "source.center": [0.0, 0.0, -0.4 - 9.81e-4]}
     values |= {"source.initial_velocity": [0.0, 1.0, 0.0], "destination.radius": 0.5}
     values |= {"destination.axis": [0.0, 1.0, 0.0], "destination.finite_length": True}
@@ -172,7 +173,7 @@ def test_a_ball_that_enters_overlapping_gets_the_stored_energy(opened, method):
 
 
 def test_a_tube_drawn_over_a_resting_ball_begins_and_ends_with_its_ends(opened, method):
-    """The cylinder moves, the ball floats at its wall's depth: while |c.e_d| <= L/2, from 0.1 s to 0.6 s."""
+    """The ball floats at the moving wall's depth while |c.e_d| <= L/2, from 0.1 s to 0.6 s."""
     values = tube(**{"gravity": [0.0, 0.0, 0.0], "source.initial_velocity": [0.0, 0.0, 0.0]})
     values.update({"source.center": [0.0, 0.0, -0.3], "destination.center": [0.0, -0.7, 0.0]})
     values.update({"destination.motion": "prescribed", "destination.prescribed_velocity": [0.0, 2.0, 0.0]})
@@ -190,8 +191,8 @@ def test_a_tube_drawn_over_a_resting_ball_begins_and_ends_with_its_ends(opened, 
 @pytest.mark.parametrize("rate", [1e13, 1e17, 1e21])
 @pytest.mark.parametrize("shape, location", GEOMETRIES)
 def test_a_touch_at_a_communication_point_is_not_below_it(opened, shape, location, rate, steps):
-    """When a step ends the bodies stand at the touch to rounding, be it by 1e-17 m too deep, where an
-    impact goes no deeper than SPEED / rate: it gives back the speed it takes"""
+    """A step ends at the touch to rounding, maybe 1e-17 m too deep. An impact there goes no deeper than SPEED
+    / rate and gives back the speed that it takes."""
     mass = 1e-9
     values = head_on(shape, location, source_mass=mass, contact_penalty_factor=mass * rate**2)
     fmu = run(opened(FMU[shape]), values, 2 * GAP, 2 * steps, None, "event_driven")

@@ -31,7 +31,8 @@ def deepest(stiffness, speed, mass=REDUCED):
 
 
 def impact(shape, location, stiffness=1e9, speed=1.0, masses="source free", **more):
-    """Bodies as large as the impact asks for, four depths apart; the values, and when it is over."""
+    """Bodies as large as the impact asks for start four depths apart. Also returns when the impact is
+    over."""
     depth = deepest(stiffness, speed)
     radius = 100 * depth
     gap = 4 * depth
@@ -64,7 +65,7 @@ def test_an_undamped_impact_is_that_of_the_power_law(opened, shape, location, ma
 
 
 def test_restitution_holds_at_every_speed(opened, dashpot, method):
-    """And the depth is Hunt and Crossley's for the damping chi v that goes with it."""
+    """The depth is Hunt and Crossley's for the damping chi v of this restitution."""
     fmu = opened("SphereSphere")
     for stiffness, speed in ((1e4, 1e-6), (1e9, 1.0), (1e13, 1e3)):
         for restitution in (0.05, 0.5, 0.9, 1.0):
@@ -99,7 +100,7 @@ def turned(rotation, axis):
 
 
 def closing_acceleration(gap, time):
-    """-g'', by the central difference of eighth order."""
+    """Returns -g'' by the central difference of eighth order."""
     step = np.longdouble(1e-3)
     weights = (-205 / np.longdouble(72), 8 / np.longdouble(5), -1 / np.longdouble(5))
     weights += (8 / np.longdouble(315), -1 / np.longdouble(560))
@@ -110,7 +111,7 @@ def closing_acceleration(gap, time):
 
 @pytest.mark.parametrize("seed", range(20))
 def test_the_load_of_an_onset_knows_how_its_surface_turns(opened, seed):
-    """A ball sinks onto a plane or a cylinder that moves and turns ever faster: chi is that of the speed to
+    """A ball sinks onto a plane or a cylinder that moves and turns ever faster. chi is that of the speed to
     which -g'' would bring it, found here by differences of the gap."""
     random = np.random.default_rng(seed)
     shape, name = (("plane", "SpherePlane"), ("cylinder", "SphereCylinder"))[seed % 2]
@@ -167,7 +168,7 @@ def prescribed(dashpot, control):
 
 
 def impulse(dashpot, chi):
-    """With t = touch + u^2 and release - u^2, in which the force is smooth."""
+    """Integrates over u with t = touch + u^2 and release - u^2, in which the force is smooth."""
     root = mpmath.sqrt(mpmath.mpf(1) / 5)
     touch, deep, release = (1 - root) / 40, mpmath.mpf(1) / 40, (1 + root) / 40
     clip = (1 / mpmath.mpf(chi) + 1) / 40
@@ -200,7 +201,7 @@ def test_the_impulse_of_a_prescribed_pass_is_the_integral_of_the_force(opened, d
 
 
 def check_jacobian(fmu, force, state, relative, absolute=0.0):
-    """Of the normal force, by place and speed; `force` is a function of depth and rate."""
+    """Checks the normal force's derivatives. `force` is a function of depth and rate."""
     check_relative("force", fmu["contact.normal_force"], float(force(*state)), 1e-12)
     for order, (name, sign) in enumerate((("displacement", -1), ("velocity", 1))):
         known = [fmu.variable(f"source.prescribed_{name}").references[2]]
@@ -212,7 +213,7 @@ def check_jacobian(fmu, force, state, relative, absolute=0.0):
 
 @pytest.mark.parametrize("control", ["user_defined", "automatic", "restitution"])
 def test_derivatives_are_those_of_the_formula(opened, dashpot, control):
-    """Of the force by place and speed, and once and twice by time, before and after the deepest point."""
+    """The force is differentiated by place and speed, and up to twice by time, before and after its peak."""
     fmu = opened("SphereSphere")
     for instant in (0.021, 0.0262):
         start(fmu, prescribed(dashpot, control) | {"contact.characteristic_time": 0.9}, 1e-10)
@@ -235,7 +236,7 @@ def test_derivatives_are_those_of_the_formula(opened, dashpot, control):
 
 @pytest.mark.parametrize("index", range(len(IMPACTS)))
 def test_published_impacts_come_out_to_their_digits(opened, index):
-    """Chung and Ooi, Granular Matter 13 (2011) 643: half a unit of the last digit."""
+    """Results of Chung and Ooi, Granular Matter 13 (2011) 643, agree to half a unit of the last digit."""
     case = IMPACTS[index]
     got = outcome(opened(setup_of(case)["fmu"]), case, "event_driven", 1e-10)
     if case.restitution is None:
@@ -253,7 +254,7 @@ def test_published_impacts_come_out_to_their_digits(opened, index):
 
 @pytest.mark.parametrize("motion", ["fixed", "free"])
 def test_until_initialization_ends_the_damping_of_a_start_in_overlap_follows_it(opened, motion, dashpot):
-    """By central differences of the formula: chi v = y, v^2 = g'^2 + (4/5) k_h delta^(5/2)/m_red."""
+    """Central differences of the formula chi v = y, v^2 = g'^2 + (4/5) k_h delta^(5/2)/m_red agree."""
     depth, rate, mass = 2e-3, -0.7, 3.0
     values = prescribed(dashpot, "restitution") | {"source.center": [0.0, 0.0, 0.6 - depth]}
     values |= {"destination.motion": motion, "destination.mass": mass}
@@ -335,7 +336,7 @@ def values_of(stiffness, chi, depth, speed, load, dashpot):
 
 
 def creep(stiffness, chi, depth, speed, load, end):
-    """Depth, its rate and the force of a unit mass by Radau's method of scipy, in parts of depth and 1/chi"""
+    """Returns depth, rate and force of a unit mass by scipy's Radau method, in parts of depth and 1/chi."""
 
     def force(y):
         return stiffness * max(depth * y[0], 0.0) ** 1.5 * (1 + y[1])
@@ -371,7 +372,7 @@ def test_it_creeps_in_few_steps(opened, chi, depth, speed, load, end, most):
 
 @pytest.mark.parametrize("damped", [30.0, 1e3, 1e5])
 def test_the_force_of_a_ball_that_settles(opened, damped):
-    """Beyond critical damping by so much; it is set down at the depth at rest"""
+    """The damping is `damped` times the critical one. The ball is set down at the depth at rest."""
     stiffness, load = 1e8, 9.81
     depth = (load / stiffness) ** (2 / 3)
     chi = 2 * damped * np.sqrt(1.5 * stiffness * depth**0.5) / load
@@ -383,7 +384,7 @@ def test_the_force_of_a_ball_that_settles(opened, damped):
 
 @pytest.mark.parametrize("pull", [1e-7, 5e-6, 1e-3])
 def test_a_light_load_adds_to_the_speed_at_which_a_deep_overlap_is_left(opened, pull):
-    """The load is down to 1e-10 of the spring's force, which the dashpot holds back to a speed of 1/chi."""
+    """The load is down to 1e-10 of the spring's force. The dashpot limits the speed to 1/chi."""
     stiffness, chi, deepest, end = 1e6, 20.0, 0.01, 0.1
     values = values_of(stiffness, chi, deepest, 0.0, -pull, "non_adhesive")
     right, _ = follow("SphereSphere", values, end)
@@ -409,8 +410,8 @@ def test_an_oscillation_is_followed_as_long_as_the_tolerance_asks(opened):
 
 
 def resting(modulus, share):
-    """A ball in a hollow cylinder at the depth that its load presses it to, sliding along and about the axis,
-    with so much of the critical damping there."""
+    """A ball slides along and about the axis in a hollow cylinder, as deep as its load presses it, with this
+    share of the critical damping there."""
     speed, mass, reach = 0.5, 0.1, OTHER - RADIUS
     stiffness = 4 / 3 * modulus * np.sqrt(RADIUS * OTHER / reach)
     load = 9.81 + speed**2 / reach
@@ -427,7 +428,7 @@ def resting(modulus, share):
 
 @pytest.mark.parametrize("share", [0.1, 1.0, 20.0])
 def test_the_work_does_not_follow_the_modulus(opened, share):
-    """Internal steps; at 1e13 Pa the contact oscillates 1e5 times a second."""
+    """Counts internal steps. At 1e13 Pa the contact oscillates 1e5 times a second."""
     steps = []
     for modulus in (1e7, 1e9, 1e11, 1e13):
         fmu = run(opened("SphereCylinder"), resting(modulus, share), 2.0, 1, 1e-8)

@@ -47,7 +47,7 @@ def test_balls_in_touch_leave_with_the_speeds_of_the_reference(opened_several, b
 
 
 def test_an_island_under_hertz_law_takes_few_series(fmu_path):
-    """At a touch and at a release the force bends: in time a series converges there ever more slowly."""
+    """The force bends at a touch and at a release, where a series in time converges ever more slowly."""
     values = {f"touch[{i}].law": "hertz" for i in range(1, 5)}
     values |= {f"touch[{i}].hertz_stiffness": 1e8 for i in range(1, 5)}
     with ContactFmu(fmu_path("NewtonsCradle")) as fmu:
@@ -61,7 +61,7 @@ def test_an_island_under_hertz_law_takes_few_series(fmu_path):
 
 @pytest.mark.parametrize("law", ["linear", "hertz"])
 def test_communication_points_and_saved_states_end_no_step_of_an_island(fmu_path, law):
-    """Where each communication point begins a new step, 997 of them cost ten times as much."""
+    """If each communication point began a new step, 997 of them would cost ten times as much."""
     start = {f"touch[{i}].law": law for i in range(1, 5)}
 
     def run(fmu, steps, first=0, last=1.0):
@@ -114,8 +114,8 @@ def test_the_peaks_of_one_long_step_are_the_tops_of_all_short_ones(fmu_path, law
 
 
 def test_a_chain_of_beads_carries_a_solitary_wave(opened_several):
-    """Its peak force, the speed of its beads and its own, as of the long wave in a chain under Hertz's law
-    (units of stiffness, mass and the speed of the striker)"""
+    """Its peak force, the speed of its beads and its own speed are those of the long wave in a chain under
+    Hertz's law, in units of stiffness, mass and the speed of the striker."""
     fmu = opened_several("Chain")
     chain(fmu, 40, "hertz")
     step, rows = 0.02, []
@@ -124,7 +124,7 @@ def test_a_chain_of_beads_carries_a_solitary_wave(opened_several):
         rows.append([fmu[f"touch[{i}].normal_force"] for i in (21, 31)] + [fmu["ball[25].velocity[1]"]])
 
     def peak(column):
-        """Time and height, by a parabola"""
+        """Returns time and height of the peak, by a parabola."""
         k = int(np.argmax(column))
         a, b, c = np.polyfit(step * np.arange(-2, 3), column[k - 2 : k + 3], 2)
         return k * step - b / (2.0 * a), c - b * b / (4.0 * a)
@@ -136,7 +136,7 @@ def test_a_chain_of_beads_carries_a_solitary_wave(opened_several):
 
 
 def test_islands_are_contacts_in_touch_that_share_free_bodies(opened_several):
-    """Of eight balls, two rows of three and a pair touch, overlapping a little; a gap parts the rows"""
+    """Two rows of three balls and a pair overlap a little. A gap parts the rows."""
     fmu = opened_several("Chain")
     places = [0, 0.99, 1.98, 10, 10.99, 20, 20.99, 21.98, 22.97]
     values = {f"ball[{i}].center": [x, 0, 0] for i, x in enumerate(places, 1)}
@@ -147,9 +147,8 @@ def test_islands_are_contacts_in_touch_that_share_free_bodies(opened_several):
 
 
 def bouncing(friction, moving, stiffness, heights):
-    """Start values of Islands.fmu: balls that bounce and slide on the floor, one after another, too far from
-    each other to touch; those not in `moving` are fixed far away. An external force acts on each.
-    """
+    """Returns start values of Islands.fmu: balls bounce and slide on the floor one after another, too far
+    from each other to touch. Balls not in `moving` are fixed far away. An external force acts on each."""
     values = {"gravity": [0.0, 0.0, -9.81]}
     for i in range(1, 7):
         values |= {
@@ -239,7 +238,7 @@ def test_what_flies_is_not_integrated_and_islands_are_solved_one_by_one(built):
 
 @pytest.mark.parametrize("law", ["linear", "hertz"])
 def test_the_races_share_a_load_as_springs_do(fmu_path, law):
-    """The discrete sum over the balls below; 4.37 F/Z is what handbooks say of many balls (Hertz)."""
+    """The force is the discrete sum over the balls below. Handbooks give 4.37 F/Z for many balls (Hertz)."""
     load, power = 10.0, {"linear": 1.0, "hertz": 1.5}[law]
     down = np.maximum(np.cos(np.radians(40.0 * np.arange(9))), 0.0)
     expected = load * down**power / np.sum(down ** (power + 1.0))
@@ -257,7 +256,7 @@ def test_the_races_share_a_load_as_springs_do(fmu_path, law):
 
 
 def test_a_tight_tolerance_costs_a_bearing_few_steps_more(fmu_path):
-    """Where errors by rounding were not allowed for, the steps became fourteen times as many."""
+    """If errors by rounding were not allowed for, there would be fourteen times as many steps."""
     steps = {}
     with ContactFmu(fmu_path("BallBearing")) as fmu:
         for tolerance in (1e-5, 1e-9):
@@ -270,7 +269,7 @@ def test_a_tight_tolerance_costs_a_bearing_few_steps_more(fmu_path):
 
 @pytest.mark.parametrize(("law", "thrust"), [("linear", 100.0), ("linear", 700.0), ("hertz", 700.0)])
 def test_a_thrust_opens_the_angle_of_contact(fmu_path, law, thrust):
-    """F = 9 Q sin alpha, with Q of two springs in series, stretched by A / cos alpha - A."""
+    """F = 9 Q sin alpha, where two springs in series, stretched by A / cos alpha - A, give Q."""
     apart, stiffness, power = 4e-4, *{"linear": (1e8, 1.0), "hertz": (1e10, 1.5)}[law]
 
     def load(alpha):
@@ -290,7 +289,7 @@ def test_a_thrust_opens_the_angle_of_contact(fmu_path, law, thrust):
 
 
 def fall(fmu, x, steps=1):
-    """Where the ball of a Galton board is after 0.3 s, some ten impacts"""
+    """Returns where the ball of a Galton board is after 0.3 s and some ten impacts."""
     fmu.reset()
     fmu.start({"ball.center": [x, 0, 0.018]}, tolerance=1e-11)
     for _ in range(steps):
@@ -300,7 +299,7 @@ def fall(fmu, x, steps=1):
 
 @pytest.mark.parametrize("x", [1e-4, 2.3e-4, 4.1e-4])
 def test_a_ball_among_pegs_goes_by_closed_forms(opened, x):
-    """Each impact is that of a pair, though the ball has thirty contacts; mirrored starts fall mirrored."""
+    """Each impact is that of a pair, though the ball has thirty contacts. Mirrored starts fall mirrored."""
     fmu = opened("GaltonBoard")
     once = fall(fmu, x)
     onsets = [fmu[f"hit[{i}].onsets"] for i in range(1, 29)] + [fmu[f"side[{i}].onsets"] for i in (1, 2)]
@@ -320,7 +319,7 @@ TOLERANCE = 1e-11
 
 
 def places_of(random, kind, radii):
-    """Centres of balls that touch or nearly do"""
+    """Returns centres of balls that touch or nearly do."""
     count = len(radii)
     if kind == "ring" and count > 2:
         radii[:] = radii[0]
@@ -367,7 +366,7 @@ def contact(random, source, destination, turning):
 
 
 def scene_of(seed):
-    """Balls, planes, contacts, gravity"""
+    """Returns balls, planes, contacts and gravity."""
     random = np.random.default_rng(seed)
     count, turning = int(random.integers(2, 7)), random.random() < 0.6
     kind = pick(random, "row", "ring", "tree", "heap")
@@ -390,7 +389,7 @@ def scene_of(seed):
 
 
 def row_of(seed):
-    """As scene_of: six balls in a row that move along it between two walls, without damping"""
+    """Returns a scene as scene_of does: six undamped balls in a row that move along it between two walls."""
     random = np.random.default_rng(seed)
     along = pick(random, np.eye(3)[int(random.integers(3))], random.normal(size=3))
     along = along / np.linalg.norm(along)
@@ -418,7 +417,7 @@ def row_of(seed):
 
 
 def values_of(balls, planes, contacts, gravity):
-    """Start values of Islands.fmu"""
+    """Returns start values of Islands.fmu."""
     values = {"gravity": list(gravity)}
     for plane, (normal, place) in zip(("floor", "wall"), planes, strict=True):
         values |= {f"{plane}.axis": list(normal), f"{plane}.center": list(place)}
@@ -453,8 +452,8 @@ def found_twice(scene):
 
 
 def check_motion(fmu, scene, steps, least, tolerance=TOLERANCE):
-    """Against the reference, within `least` or what the reference itself is uncertain of; returns the number
-    of contacts that began, and that of the reference"""
+    """Compares with the reference, within `least` or the reference's own uncertainty. Returns the number of
+    contacts that began, and that of the reference."""
     fine, coarse, onsets = kept([*scene, END], lambda: found_twice(scene))
     values = values_of(*scene)
     start(fmu, values, tolerance)
@@ -490,7 +489,7 @@ def test_islands_move_as_in_the_reference(opened_several, seed, tolerance):
 @pytest.mark.parametrize("steps", [1, 29])
 def test_rows_are_chains_and_move_as_in_the_reference(opened_several, seed, steps):
     """Along an axis no rounding turns a normal, so that the general segment is never needed. Balls that rest
-    where they touch, but for rounding, may bounce by as much, so that contacts are not counted."""
+    at a touch, up to rounding, may bounce by as much: their contacts are not counted."""
     scene = row_of(seed)
     fmu = opened_several("Islands")
     check_motion(fmu, scene, steps, 1e-9)

@@ -17,13 +17,13 @@ BALANCE = {"event_driven": 1e-10, "cvode_bdf": 1e-6, "cvode_adams": 1e-6}  # of 
 
 
 def onsets_of(pair, state, events):
-    """How many contacts there are: one may have begun before the start."""
+    """Returns how many contacts there are. One may have begun before the start."""
     branches = [hertz.precise(pair).begins(np.array(state, np.longdouble))[1], *(name for _, name in events)]
     return sum(a == hertz.APART != b for a, b in zip([hertz.APART, *branches], branches, strict=False))
 
 
 def failures(fmu, scene, seed, method, reference, onsets):
-    """A line for each figure that is off"""
+    """Returns a line for each figure that is off."""
     _, values, end = scene
     state, events = reference
     totals, sizes = [], [1.0]
@@ -59,7 +59,7 @@ def test_a_scene_goes_as_the_reference_says(opened, seed):
 
 
 def test_the_scenes_are_what_they_are_about():
-    """Of the first 60: both laws, all shapes and sides, motions and dashpots, and most have a contact"""
+    """The first 60 have both laws, all shapes, sides, motions and dashpots. Most have a contact."""
     scenes = [law_scene(seed) for seed in range(60)]
     kinds = {(name, values.get("contact.location"), values["contact.law"]) for name, values, _ in scenes}
     motions = {(values["source.motion"], values["destination.motion"]) for _, values, _ in scenes}
@@ -78,7 +78,7 @@ def test_the_benchmarks_by_hertz_on_a_plane_and_over_a_rim_end_at_their_referenc
 
 @pytest.mark.parametrize("direction", [(0.0, 0.0, 1.0), (0.6, 0.0, 0.8), (0.48, 0.6, 0.64), (0.3, -0.2, 0.7)])
 def test_a_ball_pushed_out_of_another_takes_what_was_stored(opened, direction):
-    """Without gravity, along any line through the centres: what rounding leaves across it is no motion."""
+    """Without gravity it moves along any line through the centres. Rounding across the line is no motion."""
     along = np.array(direction) / np.linalg.norm(direction)
     values = {"source.radius": 0.0102, "source.mass": 0.001, "source.motion": "free"}
     values |= {"source.center": [0.0, 0.0, 0.0], "destination.radius": 0.01, "destination.motion": "fixed"}

@@ -31,7 +31,7 @@ WORK = 100_000
 
 
 def bisected(value, low, high):
-    """The root of a function that is positive before it and negative after"""
+    """Returns the root of a function that is positive before it and negative after it."""
     for _ in range(150):
         middle = (low + high) / 2
         low, high = (middle, high) if value(middle) > 0 else (low, middle)
@@ -40,7 +40,7 @@ def bisected(value, low, high):
 
 @cache
 def lift_off(dashpot, stiffness, share):
-    """When it lets go (s = 0), and how far and fast the ball of 1 kg is off the body at the end"""
+    """Returns when it lets go (s = 0), and how far and fast the ball of 1 kg is off the body at the end."""
     k, force, rate, end = mpf(stiffness), mpf(FORCE), mpf(RATE), mpf(END)
     c = mpf(damping(stiffness, share))
     root = mp.sqrt(mp.mpc(c * c / 4 - k))
@@ -116,7 +116,7 @@ def test_a_fading_force_lets_go_once(opened, dashpot, stiffness, share, steps, t
 
 @pytest.mark.parametrize("end", [1e-7, 2.5, 1000.0])
 def test_a_body_drawn_off_leaves_its_small_impulse(opened, shape, end):
-    """Pressed in by s, the spring gives k s^2 / (2 V) until it lets go after s / V, small against a turn
+    """A spring pressed by s gives k s^2 / (2 V) until it lets go after s / V, which is small against a turn
     of its oscillation and against its tolerance."""
     stiffness, mass, speed, depth = 1e5, 75.0, 0.3, 2e-8
     values = head_on(shape, "outside", gap=-depth, speed=0.0, contact_penalty_factor=stiffness)

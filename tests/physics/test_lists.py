@@ -31,7 +31,7 @@ def values_of(case, method="event_driven"):
 @pytest.mark.parametrize("steps", [1, 2, 40])
 @pytest.mark.parametrize("name", BRIEF)
 def test_a_brief_contact_is_felt_however_long_the_step(built, name, steps):
-    """Brief beside the communication step, begun without a force, as under Hertz's law, or in passing"""
+    """The contact is brief, begins without a force as under Hertz's law, or happens in passing."""
     case, expected = BRIEF[name], reference(name)
     with ContactFmu(built["ThreeBalls"]) as fmu:
         fmu.start(values_of(case), tolerance=1e-9)
@@ -106,7 +106,7 @@ SIDE_BY_SIDE = {  # ball, marble
 
 
 def motion_of(fmu, names):
-    """Positions, velocities and deepest penetration of a pair."""
+    """Returns positions, velocities and deepest penetration of a pair."""
     bodies = [fmu[f"{names[e]}.{of}"] for e in ("source", "destination") for of in ("position", "velocity")]
     return np.concatenate([*bodies, [fmu[f"{names['contact']}.peak_penetration"]]])
 
@@ -122,7 +122,7 @@ def motion_alone(path, values, times):
 
 
 def side_by_side(*pairs):
-    """The values of TwoPairs, from those of each pair alone"""
+    """Returns the values of TwoPairs, from those of each pair alone."""
     return {
         f"{names[part]}.{row}": value
         for names, pair in zip(PAIRS.values(), pairs, strict=True)
@@ -168,7 +168,7 @@ DRIVEN |= {"destination.motion": "prescribed", "contact.dashpot": "non_adhesive"
 
 @pytest.mark.parametrize("steps", [1, 7])
 def test_a_driven_pair_beside_a_free_one_is_no_burden_to_it(built, fmu_path, method, steps):
-    """Driven together and apart at a speed V, F = p_n s + p_nv V and then p_n s - p_nv V, down to zero."""
+    """A pair driven together and apart at a speed V has F = p_n s + p_nv V, then p_n s - p_nv V >= 0."""
     stiffness, damping = DRIVEN["contact.penalty_factor"], DRIVEN["contact.viscous_penalty_factor"]
     speed = 1.5
     deepest, open_at = speed * PUSH - 0.01, damping * speed / stiffness  # F = 0 on the way back
@@ -202,8 +202,8 @@ def test_a_driven_pair_beside_a_free_one_is_no_burden_to_it(built, fmu_path, met
 
 @pytest.mark.parametrize("steps", [1, 6, 7, 50])
 def test_a_symmetric_squeeze_leaves_the_middle_ball_where_it_is(built, method, steps):
-    """Both contacts end at once, to the digits that an integrator leaves; each ball outside leaves with the
-    energy of its own: v = s sqrt(k / m)."""
+    """Both contacts end at once, to the digits that an integrator leaves. Each outer ball leaves with its own
+    energy: v = s sqrt(k / m)."""
     stiffness, mass, end = 338385515.34282333, 443.6687330978607, 0.017977067641294291
     radii = (1.0802115387737352, 6.6608462908091539, 6.6608462908091539)
     places = (0.0, 7.0749732005019741, 19.730581153039367)
@@ -228,7 +228,7 @@ def test_a_symmetric_squeeze_leaves_the_middle_ball_where_it_is(built, method, s
 
 
 def on_a_held_body(seed):
-    """Two balls pressed, thrown or bounced against one body that does not move: far softer and harder."""
+    """Two balls of different stiffness are pressed, thrown or bounced against one body that does not move."""
     random = np.random.default_rng([3, seed])
     values = {"solver.method": "event_driven", "gravity": [random.choice([0.0, 20.0, 60.0]), 0.3, 0.0]}
     values |= {"middle.motion": "fixed", "middle.radius": 0.5, "middle.center": [0.0, 0.0, 0.0]}
@@ -246,7 +246,7 @@ def on_a_held_body(seed):
 
 
 def held_run(path, values, steps):
-    """Displacements of both balls, and the onsets of both contacts"""
+    """Returns displacements of both balls, and the onsets of both contacts."""
     with ContactFmu(path) as fmu:
         fmu.start(values, tolerance=1e-9)
         for _ in range(steps):
@@ -258,7 +258,7 @@ def held_run(path, values, steps):
 
 @pytest.mark.parametrize("seed", [*range(11), 211])  # in 211 an end was lost
 def test_two_balls_on_one_held_body_move_as_if_alone(built, seed):
-    """However the ends of one's bounces fall between the pieces of the other's motion."""
+    """The ends of one ball's bounces may fall anywhere in the other's motion."""
     values = on_a_held_body(seed)
     both = [held_run(built["ThreeBalls"], values, steps) for steps in (1, 23)]
     for k, other in enumerate(("right", "left")):

@@ -24,7 +24,7 @@ def test_a_step_beyond_the_range_of_numbers_is_refused_and_nothing_is_lost(opene
 @pytest.mark.parametrize("step", [1e2, 1e17, 1e40, 1e80, 1e120, 1e300])
 @pytest.mark.parametrize("motion", ["free", "prescribed"])
 def test_a_contact_is_met_however_long_the_step(opened, method, motion, step):
-    """A ball on a line at 0.3 m from the centre of another one, of 0.6 m together"""
+    """A ball moves on a line at 0.3 m from the centre of another one. Their radii add up to 0.6 m."""
     velocity = [1.0, 0.0, 0.0]
     values = {"source.motion": motion, "destination.motion": "fixed", "source.center": [-2.0, 0.3, 0.0]}
     values |= {"contact.location": "outside", "contact.penalty_factor": 1e5, "gravity": [0.0, 0.0, 0.0]}

@@ -26,7 +26,7 @@ RADII = {"inside": 0.4, "outside": 0.6}  # r_d - r_s, r_d + r_s
 
 
 class Pressed(NamedTuple):
-    """`force`: value and two time derivatives, in the plane of n at the start and of `along`"""
+    """`force` holds a value and two time derivatives, in the plane of n at the start and of `along`."""
 
     location: str
     mass: float
@@ -43,7 +43,7 @@ class Pressed(NamedTuple):
 
 
 def frame(random):
-    """n, a direction across, and one across both"""
+    """Returns n, a direction across it, and one across both."""
     return np.linalg.qr(random.normal(size=(3, 3)))[0].T
 
 
@@ -65,7 +65,7 @@ def configuration(scene, shape, dashpot, axes):
 
 
 def top(samples, function, times):
-    """Largest value of a function between its samples, looked for about the largest"""
+    """Returns the largest value of a function between its samples, searched for about the largest sample."""
     best = int(np.argmax(samples))
     about = times[max(best - 1, 0)], times[min(best + 1, len(times) - 1)]
     limit = {"xatol": 1e-9 * (about[1] - about[0])}
@@ -74,7 +74,7 @@ def top(samples, function, times):
 
 
 def reference_peaks(scene, gap, rate, end):
-    """Peak force and penetration of a contact that lasts; None where it parts or pulls. Time in 1/omega."""
+    """Returns peak force and penetration while contact lasts, else None. Time is in 1/omega."""
     m, k, c, side = scene.mass, scene.stiffness, scene.damping, scene.side
     unit, reach = math.sqrt(m / k), RADII[scene.location]
 
@@ -133,8 +133,8 @@ def random_pressed(random):
 # tops within a swing that dies away, a low top after it, a top after a start from rest
 @pytest.mark.parametrize("portion", [*seeds(1), 97004, 97007, 98014, 98041])
 def test_peaks_of_a_lasting_contact(opened, shape, dashpot, portion):
-    """Set down, landing, settled or pressed deeper, from hardly damped to 100 times critical, under forces
-    that change: all within one communication step"""
+    """A ball is set down, lands, has settled or is pressed deeper within one communication step, with hardly
+    any damping to 100 times critical, under forces that change."""
     random = np.random.default_rng([portion, len(shape), len(dashpot)])
     compared = 0
     for _ in range(8):
@@ -202,7 +202,7 @@ def test_the_search_ends_where_a_turn_has_no_digits(opened, shape, location, cas
 @pytest.mark.parametrize("name", ["P3", "tilted cylinder", "free sphere", "on top"])
 @pytest.mark.parametrize("share", [0.1, 0.5])
 def test_peaks_do_not_follow_the_rounding_of_velocities(opened, name, share, steps):
-    """The force of a contact far stiffer than any velocity could tell its rate for: as at 1e15 N/m"""
+    """Velocities cannot tell the rate of so stiff a contact. The force is that at 1e15 N/m."""
     assert name in SCENES
     peaks = []
     for stiffness in (1e15, 1e24, 1e30, 1e33, 1e36):
@@ -222,7 +222,7 @@ def test_peaks_do_not_follow_the_rounding_of_velocities(opened, name, share, ste
 
 @pytest.mark.parametrize("method", ["cvode_bdf", "cvode_adams"])
 def test_the_dashpot_presses_up_to_the_centre(opened, dashpot, method):
-    """A ball straight through a solid one: g' falls from -v to +v there, and the force with it"""
+    """A ball goes straight through a solid one: g' and the force fall at the centre, g' from -v to +v."""
     values = head_on("sphere", "outside", speed=48.0) | {"contact.method": "penalty_dynamic"}
     values |= {"contact.dashpot": dashpot, "contact.penalty_factor": 20.0}
     values |= {"contact.viscous_penalty_factor": 0.6, "source.mass": 1.0}
@@ -234,7 +234,7 @@ def test_the_dashpot_presses_up_to_the_centre(opened, dashpot, method):
 
 @pytest.mark.parametrize("scene", ["SphereSphere", "SphereCylinder", "ForceElement"])
 def test_a_ball_that_is_led_through_the_centre_presses_hardest_before_it(opened, scene, dashpot):
-    """F = p_n (reach - d) + p_nv v until d = 0"""
+    """F = p_n (reach - d) + p_nv v until d = 0."""
     stiffness, damping, speed, reach, size = 300.0, 7.0, 1.7, 0.6, 1.3
     way = np.array([0.6, 0.8, 0.0])
     values = {"source.motion": "prescribed", "destination.motion": "fixed", "source.radius": 0.1}
@@ -259,7 +259,7 @@ STIFF = (1e23, 1e25, 1e26, 1e27, 1e28, 1e30, 1e33, 1e50, 1e100)
 
 
 def peaks_or_none(fmu, stiffness):
-    """Force, and penetration times the stiffness; None where both are refused"""
+    """Returns the force, and the penetration times the stiffness, or None where both are refused."""
     peaks = []
     for name, scale in (("contact.peak_force", 1.0), ("contact.peak_penetration", stiffness)):
         try:
@@ -286,8 +286,8 @@ def peaks_of_steps(fmu, name, stiffness, share, steps):
 @pytest.mark.parametrize("share", [0.1, 1.0, 1.2, 5.0])
 @pytest.mark.parametrize("name", SCENES)
 def test_peaks_are_right_or_refused(opened, name, share, steps):
-    """In each step as at 1e22 N/m, where rounding does not count yet, or refused: only of the step in which
-    the contact begins, and not below 1e26 N/m"""
+    """Peaks of each step equal those at 1e22 N/m, where rounding does not count yet. Only the step in which
+    the contact begins may refuse them, and not below 1e26 N/m."""
     fmu = opened(FMU[SCENES[name][0]])
     expected = peaks_of_steps(fmu, name, 1e22, share, steps)
     assert None not in expected
@@ -303,8 +303,8 @@ def test_peaks_are_right_or_refused(opened, name, share, steps):
 
 @pytest.mark.parametrize("stiffness", [1e22, 1e33, 1e54, 1e70, 1e100])
 def test_an_undamped_oscillation_keeps_its_amplitude(opened, stiffness):
-    """P3 starts where the load is a fifth of that at the bottom, and oscillates by it ever after: the force
-    is largest at the bottom, 5 m g / 2 in all"""
+    """P3 starts where the load is a fifth of that at the bottom, and oscillates by it ever after. The force
+    is largest at the bottom, 5 m g / 2 in all."""
     shape, values, end = stiff_scene("P3", stiffness, 0.0)
     largest = peaks_or_none(run(opened(FMU[shape]), values, end, 1, TOLERANCE, METHOD), stiffness)
     check_close("force", largest[0], 2.4525, 1e-7)
@@ -312,7 +312,7 @@ def test_an_undamped_oscillation_keeps_its_amplitude(opened, stiffness):
 
 
 def test_a_set_down_ball_whose_speed_is_rounding_is_at_rest(opened):
-    """Its speed along n is 1e-16 m/s by rounding, which would make as much force as the load"""
+    """Rounding gives it a speed of 1e-16 m/s along n, which would make as much force as the load."""
     forces = []
     for stiffness in (1e15, 1e33):
         shape, values, _ = stiff_scene("tilted cylinder", stiffness, 0.5)
@@ -325,7 +325,7 @@ def test_a_set_down_ball_whose_speed_is_rounding_is_at_rest(opened):
 @pytest.mark.parametrize("stiffness", [1e7, 1e20, 1e33, 1e70, 1e100])
 @pytest.mark.parametrize("shape, location", GEOMETRIES)
 def test_the_peak_of_an_impact_is_known_at_any_stiffness(opened, shape, location, stiffness):
-    """v sqrt(m k): the touch is an event, the gap zero there"""
+    """The peak is v sqrt(m k): the touch is an event, where the gap is zero."""
     values = head_on(
         shape, location, source_mass=2.0, contact_method="penalty_dynamic", contact_penalty_factor=stiffness,
         contact_viscous_penalty_factor=0.0,

@@ -18,7 +18,7 @@ STEPS = [1, 997]
 
 
 def bounce(normal=(0.0, 0.0, 1.0), gap=0.5, **more):
-    """A ball over a plane through the origin."""
+    """A ball is over a plane through the origin."""
     normal = np.array(normal)
     values = {"source.center": ((0.1 + gap) * normal).tolist(), "source.initial_velocity": [0.3, -0.2, 0.0]}
     values |= {"destination.axis": normal.tolist(), "contact.penalty_factor": 1e6}
@@ -38,7 +38,7 @@ MOVED = {
 
 @cache
 def bounced(normal, motion, method):
-    """Values, their end, and the motion in many digits"""
+    """Returns the values, their end, and the motion in many digits."""
     law = {"contact.method": "penalty"} if method == "penalty" else {"contact.dashpot": method}
     values, end = bounce(normal, **MOVED[motion], **law), 2.0 if motion == "fixed" else 1.5
     return values, end, Reference(values, "plane", Decimal, 28).run(end)
@@ -62,7 +62,7 @@ def test_bounces_on_a_plane_are_those_of_the_reference(opened, normal, motion, m
 
 @pytest.mark.parametrize("kind", ["driven by a force", "moving destination"])
 def test_polynomial_inputs_are_followed_to_rounding(opened, kind):
-    """A growing force, or a plane that speeds up, against forty digits."""
+    """A force grows, or a plane speeds up: forty digits are the reference."""
     values, end = random_scene("plane", kind, 100)
     right = Reference(values, "plane", Decimal, 28).run(end)
     place = [float(x) for x in right.position["source"]]
@@ -75,7 +75,7 @@ def test_polynomial_inputs_are_followed_to_rounding(opened, kind):
 @pytest.mark.parametrize("share", [0.0, 0.05, 2.0])
 @pytest.mark.parametrize("stiffness", [1e5, 1e8, 1e11])
 def test_a_growing_load_costs_no_more_on_a_stiffer_plane(opened, stiffness, share):
-    """Undamped it swings about the load, damped it follows that: two seconds in one step."""
+    """The ball swings about the load without damping and follows it with damping, two seconds in one step."""
     values = bounce(gap=0.0, **{"contact.penalty_factor": stiffness})
     values |= {"source.initial_velocity": [0.0, 0.0, 0.0]}
     values |= {"contact.viscous_penalty_factor": 2 * share * math.sqrt(stiffness)}
@@ -100,7 +100,7 @@ def test_a_growing_load_costs_no_more_on_a_stiffer_plane(opened, stiffness, shar
 
 
 def test_a_contact_that_lasts_takes_few_steps_at_any_stiffness(opened):
-    """From 1e3 to 1e15 N/m: a ball set down on a slope, damped, slides for ten seconds."""
+    """A damped ball set down on a slope slides for ten seconds, at 1e3 to 1e15 N/m."""
     for stiffness in (1e3, 1e7, 1e11, 1e15):
         values = bounce(TILTED, 0.0, **{"contact.penalty_factor": stiffness})
         values["source.initial_velocity"] = [0.0, 0.0, 0.0]
@@ -130,7 +130,7 @@ def test_below_the_surface_is_but_a_deeper_contact(opened, method):
 
 
 def test_passing_the_surface_exactly_at_its_centre(opened):
-    """Given motions: d = 0 to the last bit at a communication point."""
+    """The motion is prescribed: d = 0 to the last bit at a communication point."""
     held = {"source.motion": "fixed", "contact.penalty_factor": 1e3, "contact.method": "penalty"}
     fmu = run(opened(FMU), bounce(gap=-0.1, **held), 0.1, 2)
     assert fmu["contact.distance"] == 0.0

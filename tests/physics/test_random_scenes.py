@@ -37,7 +37,7 @@ def test_a_run_says_what_the_reference_says(opened, shape, kind, seed, steps, me
 @pytest.mark.parametrize("tolerance", [1e-8, 1e-9, 1e-10, 1e-11, 1e-12])
 @pytest.mark.parametrize("shape, kind, seed", DELICATE)
 def test_no_tolerance_finds_another_motion(opened, shape, kind, seed, method, tolerance):
-    """A wrong branch after a switch does not care for tolerances; it comes and goes with them."""
+    """A wrong branch after a switch does not care for tolerances. It comes and goes with them."""
     configuration, end = random_scene(shape, kind, seed)
     fmu = run(opened(FMU[shape]), configuration, end, 1, tolerance, method)
     position = reference(shape, kind, seed).position["source"]
@@ -63,7 +63,7 @@ def test_a_scene_goes_as_the_reference_says(opened, family, seed):
 
 
 def test_the_families_reach_what_they_are_about():
-    """Of the first scenes of each: contacts, both shapes, and centres passed on the way."""
+    """The first scenes of each family have contacts, both shapes, and centres passed on the way."""
     for family in FAMILIES:
         scenes, found = zip(*(case(family, seed) for seed in range(12)), strict=True)
         assert sum(one.onsets > 0 for one in found) >= 4, family
@@ -75,7 +75,7 @@ def test_the_families_reach_what_they_are_about():
 
 
 def test_what_still_moves_is_not_taken_for_settled():
-    """A scene that is damped less than its family means it: the reference says so, it does not stand still"""
+    """The reference says that a scene damped less than its family means does not stand still."""
     scene = drawn("set down", 1284)
     less = 0.08 * scene.values["contact.viscous_penalty_factor"]
     with pytest.raises(ValueError, match="still moves"):

@@ -23,7 +23,7 @@ UNDAMPED = {"contact.method": "penalty"}
 
 
 def on_top(stiffness=1e6, **more):
-    """On a ball, with the depth of its weight: the one place from where rounding cannot roll it off"""
+    """A ball lies on a ball, as deep as its weight presses: only from there rounding cannot roll it off."""
     depth = WEIGHT / stiffness
     values = {**BALL, "contact.penalty_factor": stiffness, "source.center": [0.0, 0.0, 0.6]}
     values |= {"source.initial_displacement": [0.0, 0.0, -depth], **more}
@@ -31,7 +31,7 @@ def on_top(stiffness=1e6, **more):
 
 
 def at_the_bottom(stiffness=1e6, depth=None, **more):
-    """In a hollow body"""
+    """A ball lies in a hollow body."""
     depth = WEIGHT / stiffness if depth is None else depth
     return {
         **BALL, "contact.location": "inside", "contact.penalty_factor": stiffness,
@@ -43,7 +43,7 @@ def at_the_bottom(stiffness=1e6, depth=None, **more):
 
 
 def pressed_together(**more):
-    """Two free balls, each pushed towards the other"""
+    """Two free balls are pushed towards each other."""
     force = 5.0
     values = {**on_top(**more), "source.initial_displacement": [0.0, 0.0, -force / 1e6]}
     values |= {"destination.motion": "free", "destination.mass": 2.0}
@@ -69,7 +69,7 @@ STATES = {
 
 
 def stepper(fmu):
-    """fmi2DoStep without fmpy's wrapping, which would take longer than the step"""
+    """Calls fmi2DoStep without fmpy's wrapping, which would take longer than the step."""
     do_step = fmu.slave.dll.fmi2DoStep
     do_step.argtypes = [ctypes.c_void_p, ctypes.c_double, ctypes.c_double, ctypes.c_int]
     do_step.restype = ctypes.c_int

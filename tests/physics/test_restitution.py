@@ -14,7 +14,7 @@ MASS, STIFFNESS = 0.3, 1e6
 
 
 def impact(dashpot, restitution, **more):
-    """A ball meets another one, which is fixed, with 1 m/s"""
+    """A ball meets another one, which is fixed, with 1 m/s."""
     return head_on(
         "sphere", "outside", source_mass=MASS, contact_method="penalty_dynamic",
         contact_penalty_factor=STIFFNESS, contact_viscous_control="restitution",

@@ -14,8 +14,8 @@ END = 0.1
 
 
 def scene(stiffness, damping=0.0, hertz=False, part=1.0):
-    """A ball that a load presses on the rim along its normal, `part` of the depth at rest deep, and that goes
-    along the rim and across it; the damping is a part of the critical one"""
+    """A load presses a ball on the rim along its normal, `part` of the depth at rest deep. The ball moves
+    along the rim and across it. The damping is a part of the critical one."""
     depth = part * (LOAD / stiffness) ** (2 / 3 if hertz else 1)
     gravity = (-LOAD * cos(TILT), 0.0, -LOAD * sin(TILT))
     motion = RimMotion(R_S, R_D, LENGTH / 2, gravity, stiffness, 0.0, hertz)
@@ -40,7 +40,7 @@ def values_of(motion, begin):
 
 
 def check(fmu, motion, begin, most, method="Radau", end=END):
-    """Motion, force and balance of energy, and no more than so many internal steps"""
+    """Checks motion, force and balance of energy, and that there are at most `most` internal steps."""
     expected = reference(motion, begin, end, method)
     right, values = motion.state(*expected), values_of(motion, begin)
     total = start(fmu, values, 1e-10, "event_driven")["energy.total"]
@@ -63,13 +63,13 @@ def test_far_beyond_critical_damping(opened, damping, part):
 
 @pytest.mark.parametrize("stiffness", [1e8, 1e10, 1e12, 1e14])
 def test_stiffness_costs_nothing(opened, stiffness):
-    """Of the softest the first few radians are followed: series of two radians each, then three steps"""
+    """The softest contact begins with series of two radians each, then takes three steps."""
     motion, begin = scene(stiffness, 0.1)
     check(opened("SphereCylinder"), motion, begin, 10)
 
 
 def test_an_undamped_oscillation_keeps_its_phase(opened):
-    """Some hundred swings, followed by the reference one by one"""
+    """The reference follows some hundred swings one by one."""
     motion, begin = scene(1e9, part=0.9)
     check(opened("SphereCylinder"), motion, begin, 8, method="DOP853", end=0.02)
 
@@ -83,7 +83,7 @@ def test_damped_under_hertz(opened, damping, part):
 
 @pytest.mark.parametrize("stiffness", [1e10, 1e13, 1e16])
 def test_stiffness_costs_nothing_under_hertz(opened, stiffness):
-    """But the oscillation while it dies away, which at a fifth of critical damping is some twenty swings"""
+    """The dying oscillation costs steps: some twenty swings at a fifth of critical damping."""
     motion, begin = scene(stiffness, 0.2, hertz=True)
     check(opened("SphereCylinder"), motion, begin, 100)
 
@@ -92,7 +92,7 @@ def test_stiffness_costs_nothing_under_hertz(opened, stiffness):
     "hertz, stiffness, damping", [(False, 1e6, 1e5), (False, 1e6, 1e9), (True, 1e6, 1e5), (True, 1e6, 1e7)]
 )
 def test_an_impact_that_hardly_ends(opened, hertz, stiffness, damping):
-    """As restitution zero makes it with a dashpot that acts in approach only: then it creeps"""
+    """Restitution zero does so with a dashpot that acts on approach only: then the contact creeps."""
     motion, begin = scene(stiffness, hertz=hertz)
     begin[:2] = [-1e-7, -0.24]
     check(opened("SphereCylinder"), motion._replace(damping=damping), begin, 100)

@@ -7,7 +7,7 @@ from support.checks import check_close
 
 @pytest.mark.parametrize("name", ["SphereSphere", "SphereCylinder"])
 def test_a_run_without_any_setting_bounces(opened, name):
-    """From 1.1 m on a body of 0.5 m with a ball of 0.1 m: half a metre of free fall, then up again."""
+    """A ball of 0.1 m falls half a metre onto a body of 0.5 m, from 1.1 m, and rises again."""
     fmu = opened(name)
     fmu.start()
     fmu.step(0.6)
@@ -17,7 +17,7 @@ def test_a_run_without_any_setting_bounces(opened, name):
 
 
 def test_the_force_element_presses_without_any_input(opened):
-    """1 mm of overlap at 1e6 N/m"""
+    """The bodies overlap by 1 mm at 1e6 N/m."""
     fmu = opened("ForceElement")
     fmu.start()
     fmu.step(1e-3)

@@ -41,7 +41,7 @@ def limit(name, stiffness, share, rest=False):
 @pytest.mark.parametrize("share", [SHARE, 0.0])
 @pytest.mark.parametrize("name", SCENES)
 def test_the_two_references_agree(name, share):
-    """To what the expansion says it leaves out, which falls with the stiffness; all in contact to the end"""
+    """They agree up to what the expansion leaves out, which falls with the stiffness. The contact lasts."""
     before = np.inf
     for stiffness in (1e5, 1e6):
         shape, values, end = stiff_scene(name, stiffness, share)
@@ -77,7 +77,7 @@ def check_end(fmu, expected):
 @pytest.mark.parametrize("stiffness", LIMIT)
 @pytest.mark.parametrize("name", SCENES)
 def test_damped_walls(opened, name, stiffness, steps):
-    """Started on the wall, so that the load comes at once"""
+    """The ball starts on the wall, so that the load comes at once."""
     shape, values, end = stiff_scene(name, stiffness, SHARE)
     check_end(run_bounded(opened, shape, values, end, steps), limit(name, stiffness, SHARE))
 
@@ -85,7 +85,7 @@ def test_damped_walls(opened, name, stiffness, steps):
 @pytest.mark.parametrize("stiffness", UNDAMPED)
 @pytest.mark.parametrize("name", SCENES)
 def test_undamped_walls(opened, name, stiffness):
-    """Started where nothing oscillates"""
+    """The ball starts where nothing oscillates."""
     shape, values, end = stiff_scene(name, stiffness, 0.0)
     fmu = run_bounded(opened, shape, settled(shape, values), end, 1)
     check_end(fmu, limit(name, stiffness, 0.0, rest=True))
@@ -93,7 +93,7 @@ def test_undamped_walls(opened, name, stiffness):
 
 @pytest.mark.parametrize("stiffness", UNDAMPED)
 def test_an_undamped_wall_that_is_loaded_at_once(opened, stiffness):
-    """P3 oscillates with the depth of its own weight, all but losing touch at each turn."""
+    """P3 oscillates by the depth of its own weight and nearly loses touch at each turn."""
     shape, values, end = stiff_scene("P3", stiffness, 0.0)
     check_end(run_bounded(opened, shape, values, end, 1), limit("P3", stiffness, 0.0))
 
@@ -117,7 +117,7 @@ def test_energy_balances_and_none_is_gained(opened, name, stiffness, share):
 
 @pytest.mark.parametrize("name", SCENES)
 def test_the_work_does_not_follow_the_stiffness(opened, name):
-    """Internal steps, far fewer than oscillations: 2 s at 1e15 N/m and 0.1 kg are 3e7 of them."""
+    """Internal steps are far fewer than oscillations: 2 s at 1e15 N/m and 0.1 kg have 3e7 of them."""
     steps = {}
     for stiffness in (1e7, 1e15):
         shape, values, end = stiff_scene(name, stiffness, SHARE)
@@ -143,7 +143,7 @@ def test_radau_finds_the_stored_position_of_the_stiffest(shape):
 
 @pytest.mark.parametrize("shape, damping, penalty", ROWS)
 def test_the_expansion_meets_every_stored_position_within_what_it_leaves_out(shape, damping, penalty):
-    """Those of Radau's method and of the Taylor integrator too"""
+    """The stored positions are those of Radau's method and of the Taylor integrator."""
     end = StiffContact(configuration(shape, penalty, damping), shape).end(END)
     assert end.least_push > 0
     assert end.left_out < 1e-12 or penalty < COUNTABLE

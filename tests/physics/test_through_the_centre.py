@@ -52,8 +52,8 @@ NEAR_MISSES = [1e-1, 1e-3, 1e-6, 1e-9, 1e-12, 1e-14, 1e-15, 1e-16, 1e-17]
 @pytest.mark.parametrize("miss", NEAR_MISSES)
 @pytest.mark.parametrize("stiffness", [0.01, 10.0, 24.0])
 def test_a_near_miss_of_the_centre_keeps_energy_and_angular_momentum(opened, shape, stiffness, miss, steps):
-    """The normal turns by half a turn within miss / speed; steps shrink to that and grow again, each by a
-    factor, so that there are some log(size / miss) of them."""
+    """The normal turns by half a turn within miss / speed. Steps shrink to this time and grow again, each by
+    a factor, so that there are some log(size / miss) of them."""
     values = solid(shape, ACROSS, **{"contact.penalty_factor": stiffness})
     values["contact.viscous_penalty_factor"] = 0.0
     values["source.center"] = (-START * ACROSS + miss * ASIDE).tolist()
@@ -89,7 +89,7 @@ def test_a_near_miss_of_the_centre_ends_where_the_taylor_reference_does(opened, 
 
 
 def led(shape, begin, end, miss=0.0, **more):
-    """Along x from `begin` to `end` within a second, past the centre of a solid at a distance `miss`"""
+    """The ball moves along x from `begin` to `end` within a second and misses a solid's centre by `miss`."""
     velocity = ((end - begin) * ACROSS).tolist()
     return solid(shape, ACROSS, **{"contact.penalty_factor": LED, "source.motion": "prescribed"}) | {
         "contact.viscous_penalty_factor": 0.0, "source.initial_velocity": [0.0, 0.0, 0.0],
@@ -106,8 +106,8 @@ def stored(x, miss):
 @pytest.mark.parametrize("steps", [1, 7, 13])
 @pytest.mark.parametrize("miss", [0.0, 1e-12, 1e-6, 1e-3, 0.1])
 def test_a_ball_led_through_a_solid_leaves_the_impulse_of_its_way(opened, shape, miss, steps, method):
-    """With x dx = d dd, the integrals of F x / d and F b / d over x, b the distance of the miss, are
-    p_n (r d - d^2 / 2) and p_n b (r asinh(x / b) - x), r the reach."""
+    """With x dx = d dd and the miss b, the integrals of F x / d and F b / d over x are p_n (r d - d^2 / 2)
+    and p_n b (r asinh(x / b) - x), where r is the reach."""
     begin, end = -0.35, 0.41
 
     def along(x):
@@ -146,14 +146,14 @@ def test_a_far_overdamped_ball_creeps_off_the_centre_as_with_cvode(opened, shape
 
 @pytest.mark.parametrize("stop", [0.0, 0.3])
 def test_a_ball_led_out_of_the_centre_or_to_it_takes_few_panels(opened, shape, stop):
-    """The direction that the contact has in the centre is not the one it has on the way"""
+    """The contact's direction in the centre differs from that on the way."""
     values = led(shape, 0.3 - stop, stop, **{"solver.max_internal_steps": 100})
     fmu = run(opened(FMU[shape]), values, 1.0, 1, tolerance=1e-10, method="event_driven")
     check_close("mean force", fmu["contact.mean_force"], LED * (REACH - 0.15) * ACROSS, 1e-9 * LED)
 
 
 def test_a_ball_led_past_the_centre_goes_on_from_where_a_limit_stopped_it(opened, shape):
-    """The work that is done on it, in parts of few panels each"""
+    """The work on the ball is compared, in parts of few panels each."""
     begin, end, miss = -0.3, 0.6, 1e-3
     values = led(shape, begin, end, miss, **{"solver.max_internal_steps": 20})
     fmu = start(opened(FMU[shape]), values, 1e-10, "event_driven")
@@ -170,8 +170,8 @@ def test_a_ball_led_past_the_centre_goes_on_from_where_a_limit_stopped_it(opened
 @pytest.mark.parametrize("mass", [1.0, 2e11])
 @pytest.mark.parametrize("gravity", [50.0, 84.0, 85.0, 86.0, 200.0])
 def test_balls_that_fall_together_pass_their_centre_once(opened, shape, gravity, mass):
-    """So far that their positions do not tell any more on which side of it they are. A force presses one
-    through the other, against a dashpot that lets go there"""
+    """They fall so far that their positions do not tell any more on which side of it they are. A force
+    presses one through the other, against a dashpot that lets go there."""
     force, damping, reach, duration = 6.6e-8, 3.4e-5, 0.0040004, 80.0
     values = {"source.motion": "free", "destination.motion": "free", "source.mass": 0.03}
     values |= {"destination.mass": mass, "source.radius": 4e-7, "destination.radius": 0.004}

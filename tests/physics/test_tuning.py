@@ -68,7 +68,7 @@ def test_a_run_goes_on_as_one_that_starts_there_with_the_new_values(opened, when
 
 
 def halves(fmu, values, method, between, split=9):
-    """The bits of all outputs after each step of a run; `between(fmu)` comes between two of them."""
+    """Returns the bits of all outputs after each step of a run. `between(fmu)` comes between two steps."""
     start(fmu, values, 1e-10, method)
     rows = []
     for k in range(40):
@@ -137,7 +137,7 @@ def test_what_may_be_set_is_told_so(opened):
 
 
 def test_automatic_factors_follow(opened, method):
-    """The same bits as a run to which the products are given."""
+    """The bits equal those of a run to which the products are given."""
     automatic = {**BALL, "contact.penalty_control": "automatic", "contact.viscous_control": "automatic"}
     automatic |= {"contact.reference_modulus": 1e5, "contact.characteristic_time": 1e-3}
     fmu = start(opened("SphereSphere"), automatic, 1e-10, method)
@@ -185,7 +185,7 @@ def test_a_state_saved_after_setting_holds_what_was_set(opened, fmu_path, method
 
 
 def test_a_deferred_flight_keeps_the_gravity_it_had(opened):
-    """Steps that nobody looks at are computed when somebody does: with what was in force then."""
+    """Steps that nobody looks at are computed later, with the gravity that acted then."""
     seen, unseen = [0.0, 0.0, 9.0], []
     for look in (True, False):
         fmu = start(opened("SphereSphere"), {"source.center": seen})

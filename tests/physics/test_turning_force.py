@@ -24,7 +24,7 @@ MOTION |= {"destination.prescribed_axis": "axis"}
 
 
 def random_case(rng, shape, side):
-    """Values of the formulas, and a motion that overlaps three times out of four"""
+    """Returns values of the formulas, and a motion that overlaps three times out of four."""
     v = {"shape": shape, "side": side, "r_s": rng.uniform(0.05, 0.2), "r_d": rng.uniform(0.4, 0.8)}
     v |= {"p_n": 1e6, "p_nv": rng.choice([0.0, 100.0, 3000.0]), "unclamped": bool(rng.integers(2))}
     v |= {"mu": rng.uniform(0.0, 1.0), "v_0": 10 ** rng.uniform(-4, 0), "largest": rng.choice([1e300, 200.0])}
@@ -80,7 +80,7 @@ def names_of(found):
 
 
 def begun(fmu, v, m):
-    """Initialized at rest, the motion m then set as new inputs"""
+    """The scene is initialized at rest, then the motion m is set as new inputs."""
     centers = {name: m[name] for name in ("source.center", "destination.center")}
     start(fmu, settings(v) | centers)
     for name, value in inputs(v, m).items():

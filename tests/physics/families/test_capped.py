@@ -30,7 +30,8 @@ def touching(place, gap):
 
 
 def loaded(place, gap, order, force=10.0):
-    """At rest at a gap, under a force against the normal that grows from zero as force t^order / order!."""
+    """The ball rests at a gap, under a force against the normal that grows from zero as force t^order /
+    order!."""
     center, normal = touching(place, gap)
     rows = [[0.0, 0.0, 0.0]] * (order - 1) + [list(-force * normal)]
     return CAPPED | {"source.center": list(center), "source.external_force.derivatives": rows}
@@ -41,7 +42,7 @@ def loaded(place, gap, order, force=10.0):
 @pytest.mark.parametrize("gap", [0.0, 1e-15, -1e-15])
 @pytest.mark.parametrize("place", PLACES)
 def test_a_ball_that_touches_is_met_by_a_force_that_grows_from_zero(opened, place, gap, order, steps):
-    """From then on the depth follows the load: m x'' + c x' + k x = F has a polynomial as its solution."""
+    """Then the depth follows the load: m x'' + c x' + k x = F has a polynomial as its solution."""
     fmu = run(opened("SphereCylinder"), loaded(place, gap, order), 1.0, steps, 1e-10)
     load = 10.0 / (order * STIFFNESS)
     rate, bend = DAMPING / STIFFNESS, (DAMPING**2 / STIFFNESS - 1.0) / STIFFNESS
@@ -52,7 +53,7 @@ def test_a_ball_that_touches_is_met_by_a_force_that_grows_from_zero(opened, plac
 
 
 def grown_load(random):
-    """At or near a touch under a force that grows from zero, moves along the surface and may turn back."""
+    """A ball at or near a touch slides and may turn back, under a force that grows from zero."""
     place = str(random.choice(list(PLACES)))
     gap = float(random.choice([0.0, 0.0, 1e-15, -1e-15, 1e-6, 1e-3]))
     values = loaded(place, gap, int(random.choice([1, 2])), float(random.choice([0.1, 1.0, 10.0])))
@@ -69,7 +70,7 @@ def grown_load(random):
 
 
 def decay(mass, stiffness, damping, speed, time):
-    """Depth of a touch with `speed`, beyond critical damping."""
+    """Returns the depth after a touch with `speed`, beyond critical damping."""
     half = 0.5 * damping / mass
     split = np.sqrt(half**2 - stiffness / mass)
     return speed / split * np.exp(-half * time) * np.sinh(split * time)
@@ -88,7 +89,7 @@ def test_a_start_on_the_edge_of_cap_and_rim_goes_inward(opened):
 
 
 def edge_start(random):
-    """At, over or in a cap or side on the edge of its rim, on its way inward, outward or along the edge."""
+    """A ball at the edge of a rim, in a cap or side or over it, moves inward, outward or along the edge."""
     r_s, r_d = float(random.choice([0.05, 0.1, 0.5])), float(random.choice([0.1, 0.5, 1.0]))
     length = float(random.choice([0.2, 1.0, 2.0]))
     angle = float(random.choice([0.0, 0.5 * np.pi, np.arctan2(3, 4), np.arctan2(1, -2), -0.75 * np.pi]))
@@ -121,7 +122,7 @@ def on_a_cap(stiffness, damping):
 @pytest.mark.parametrize("stiffness", [1e12, 1e16, 1e17, 1e18, 1e20, 1e24])
 @pytest.mark.parametrize("part", [1.0, 1.5, 3.0])
 def test_a_ball_comes_to_rest_on_a_stiff_cap(opened, stiffness, part):
-    """As on a plane: its hops end, and with them the steps."""
+    """Its hops end as on a plane, and with them the steps."""
     fmu = run(opened("SphereCylinder"), on_a_cap(stiffness, 2.0 * part * np.sqrt(stiffness)), 0.62, 1, 1e-10)
     check_close("depth", fmu["contact.gap"], -10.0 / stiffness, 1e-6 * 10.0 / stiffness)
     check_close("y", fmu["source.position"][1], 0.35 - 0.62, 1e-12)
@@ -129,7 +130,7 @@ def test_a_ball_comes_to_rest_on_a_stiff_cap(opened, stiffness, part):
 
 
 def stiff_landing(random):
-    """A ball that falls on a cap, a rim's top or a side and hops to rest, in stiff contact."""
+    """A ball falls on a cap, a rim's top or a side and hops to rest, in stiff contact."""
     place = str(random.choice(["cap", "middle of the cap", "side", "edge of the cap"]))
     center, normal = touching(place, float(random.choice([0.0, 0.01, 1.0])))
     along = np.cross(normal, [0.6, 0.0, 0.8]) if place == "side" else np.array([0.6, -0.8, 0.0])
@@ -172,7 +173,7 @@ def test_a_growing_force_takes_a_source_out_of_the_plane_of_an_open_end(opened):
 
 
 def at_an_end(random):
-    """In the plane of an end or next to it, to rounding; in contact or on its way, with any axis."""
+    """A ball is in or near the plane of an end, to rounding, in contact or not. The axis is random."""
     axis = random.choice([[0, 1, 0], [0, 0, 1], [3, 0, 4], [1, 1, 0], [1, 2, 2], [0, -1, 0]])
     axis = axis / np.linalg.norm(axis)
     across = np.cross(axis, [1.0, 0.0, 0.0] if abs(axis[0]) < 0.5 else [0.0, 0.0, 1.0])
@@ -242,7 +243,7 @@ def test_a_centre_inside_passes_from_face_to_face(opened, values, end, steps, to
 @pytest.mark.parametrize("method", ["event_driven", "cvode_bdf"])
 @pytest.mark.parametrize("steps", [1, 7, 10])
 def test_a_point_as_near_to_both_caps_as_to_the_side_is_passed_straight_on(opened, steps, method):
-    """From cap to cap: the side is no nearer anywhere. A spring gives back what it took."""
+    """From cap to cap the side is no nearer anywhere. A spring gives back what it took."""
     tolerance = 1e-10 if method == "event_driven" else 1e-7
     fmu = run(opened("SphereCylinder"), THREE_FACES_AS_NEAR, 0.3, steps, 1e-10, method)
     inside = 2.0 * np.arcsin(0.1)
@@ -252,7 +253,7 @@ def test_a_point_as_near_to_both_caps_as_to_the_side_is_passed_straight_on(opene
 
 
 def soft_law(random, energy, mass, depth):
-    """Of a contact that gives by some of `depth` before it has taken `energy`."""
+    """The contact gives by some of `depth` before it has taken `energy`."""
     stiffness = float(f"{energy / (0.5 * depth**2) * pick(random, 0.05, 0.3, 0.9, 1.5):.1g}")
     if random.random() < 0.25:
         values = {"contact.law": "hertz", "contact.penalty_control": "user_defined"}
@@ -309,7 +310,7 @@ def test_a_ball_at_a_cap_ends_the_same_however_it_is_stepped(opened, family, see
 # In the last two a centre passes from face to face while the dashpot is clipped.
 @pytest.mark.parametrize("seed", [*seeds(8), 5007, 5033])
 def test_a_centre_deep_inside_as_the_reference_has_it(opened, seed):
-    """Off the axis, for on it any direction is right. In the middle either cap is: sizes are compared."""
+    """On the axis any direction, in the middle either cap is right: starts are off it, sizes are compared."""
     scene = deep_inside(np.random.default_rng(seed), aside=(0.013, 0.029))
     fmu = run(opened("SphereCylinder"), scene.values, scene.end, 1, 1e-11)
     right, _ = hertz.follow(scene.fmu, scene.values, scene.end)
@@ -319,7 +320,7 @@ def test_a_centre_deep_inside_as_the_reference_has_it(opened, seed):
 
 
 def test_on_the_axis_a_ball_is_pushed_out_in_the_direction_of_the_side(opened):
-    """Not along the axis, as the cap does from which it comes; nothing is lost."""
+    """The cap from which it comes would push it along the axis. No energy is lost."""
     values = CAPPED | {"source.center": [0.0, 0.0, 1.5], "source.initial_velocity": [0.0, 0.0, -3.0]}
     values |= {"contact.penalty_factor": 20.0, "contact.method": "penalty"}
     fmu = run(opened("SphereCylinder"), values, 2.0, 4, 1e-10)
@@ -331,7 +332,7 @@ def test_on_the_axis_a_ball_is_pushed_out_in_the_direction_of_the_side(opened):
 
 @pytest.mark.parametrize("steps", [1, 7, 50])
 def test_the_peak_at_the_axis_is_that_of_the_side(opened, steps):
-    """A dashpot on approach pushes most right before the axis, whatever the normal was before the touch."""
+    """A dashpot on approach pushes most just before the axis, whatever the normal was before the touch."""
     values = CAPPED | {"source.radius": 0.05, "source.mass": 2.0, "source.center": [1.032, 0.0, 1.416]}
     values |= {"source.initial_velocity": [-0.6, 0.0, -0.8], "destination.radius": 0.1}
     values |= {"contact.dashpot": "approach_only", "contact.penalty_factor": 4.0}

@@ -27,7 +27,7 @@ def test_a_ball_that_lands_softly_is_rubbed_as_long_as_it_is_pressed(opened, met
 
 
 def pair(random):
-    """A ball of 0.1 m that moves along and towards a plane or another ball, with or without gravity."""
+    """A ball of 0.1 m moves along and towards a plane or another ball, with or without gravity."""
     fmu = str(random.choice(["SpherePlane", "SphereSphere"]))
     height = float(random.choice([0.0, 0.0, 0.01, 0.05, 0.1]))
     down = float(random.choice([0.0, -0.1, -1.0, -2.0]))
@@ -54,7 +54,7 @@ def damped(random, values):
 
 
 def soft_landing(random):
-    """Any dashpot under regularized friction, so that the force may touch zero while the bodies overlap."""
+    """Friction is regularized, with any dashpot: the force may reach zero while the bodies overlap."""
     fmu, values = pair(random)
     damped(random, values)
     values["contact.friction"] = "regularized"
@@ -102,7 +102,7 @@ def test_a_spring_that_passes_zero_ends_no_sticking(opened, damping, v_x, omega_
 
 
 def elastic(random):
-    """An impact, or a ball that stays, under elastic friction with or without tangential damping."""
+    """A ball impacts or stays, under elastic friction with or without tangential damping."""
     fmu, values = pair(random)
     if values["gravity"][2] == 0.0 and random.integers(2):
         values["contact.viscous_penalty_factor"] = float(random.choice([0.0, 1.0, 10.0]))
@@ -118,7 +118,7 @@ def elastic(random):
 
 @pytest.mark.parametrize("seed", [*seeds(), 5149, 70022])
 def test_so_does_a_tangential_stiffness_that_follows_the_normal_one(opened, seed):
-    """Impacts: what lasts under Hertz's law has errors of its own, whatever the friction."""
+    """The scenes are impacts: lasting contact under Hertz's law has errors of its own."""
     random = np.random.default_rng(seed)
     scene = elastic(random)
     x, y, _ = scene.values["source.initial_velocity"]
@@ -132,7 +132,7 @@ def test_so_does_a_tangential_stiffness_that_follows_the_normal_one(opened, seed
 
 
 def yielding(random):
-    """The same, turning, with elastic or regularized resistance to rolling and spinning."""
+    """An elastic scene turns, with elastic or regularized resistance to rolling and spinning."""
     scene = elastic(random)
     values = scene.values | {"source.rotation": "free"}
     values |= any_resistance(random, "contact", 1e-3 * values["contact.penalty_factor"])
@@ -146,7 +146,7 @@ def test_elastic_friction_and_resistance_stick_and_slide_the_same_at_every_toler
 
 
 def largest_force_of_a_ball_set_down(rate, decay):
-    """The first top of k x + c x' for x'' = g - k x - c x', by mass, from rest at the touch."""
+    """Returns the first top of k x + c x' for x'' = g - k x - c x', by mass, from rest at the touch."""
     swing = np.sqrt(rate**2 - decay**2)
     phase = np.pi - np.arctan2(2.0 * decay * swing, swing**2 - decay**2)
     bend = np.exp(-decay * phase / swing) * (np.cos(phase) - decay / swing * np.sin(phase))
@@ -156,7 +156,7 @@ def largest_force_of_a_ball_set_down(rate, decay):
 @pytest.mark.parametrize("tolerance", TOLERANCES)
 @pytest.mark.parametrize("up", [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (0.6, 0.0, 0.8)])
 def test_no_step_jumps_over_the_swings_of_a_ball_set_down(opened, up, tolerance):
-    """Twenty swings in one communication step, whichever way is up. The depth is 1e-5 m: its error is small
+    """One communication step has twenty swings, whichever way is up. The depth is 1e-5 m: its error is small
     beside the tolerance of places, but not beside itself."""
     values = {"destination.axis": list(up), "source.center": [0.1 * x for x in up]}
     values |= {"gravity": [-9.81 * x for x in up], "source.rotation": "free"}
@@ -205,7 +205,7 @@ def test_an_importer_that_locates_the_end_of_sticking_at_exactly_zero_sees_it_sl
 @pytest.mark.parametrize("seed", [*seeds(12), 60073])  # in the last one a ball is set down
 @pytest.mark.parametrize("family", [elastic, yielding])
 def test_elastic_friction_is_the_same_in_model_exchange(seed, family):
-    """What fmpy's CVODE leaves of events is below 1e-3; a change that is missed costs 0.1 to 1."""
+    """fmpy's CVODE leaves less than 1e-3 at events. A change that is missed costs 0.1 to 1."""
     scene = family(np.random.default_rng(seed))
     names = [f"source.{what}[{k}]" for what in ("velocity", "angular_velocity") for k in (1, 2, 3)]
     outside, inside = (
@@ -244,7 +244,7 @@ def test_a_ball_slides_before_it_leaves_a_plane_that_turns(
 @pytest.mark.parametrize("tolerance", TOLERANCES)
 @pytest.mark.parametrize("steps", [1, 7, 100])
 def test_the_last_slip_of_an_impact_is_as_accurate_as_the_tolerance(opened, steps, tolerance):
-    """Rolling ends within a step, whose last nodes alone see the slip. The spin is that at 1e-12."""
+    """Rolling ends within a step, whose last nodes alone see the slip. The spin equals that at 1e-12."""
     values = TURNING_PLANE | {"source.initial_velocity": [1.0, 0.0, -2.0]}
     values |= {"destination.prescribed_angular_velocity": [0.0, 0.0, 10.0]}
     values |= {"contact.characteristic_slip_velocity": 1e-8}

@@ -17,7 +17,7 @@ AT_REST = {"last_onset_time": 1e6, "last_duration": 1e6}
 
 
 def law_of(random, contact):
-    """A linear law without damping, half of the times; else any."""
+    """Half of the laws are linear without damping, the others are any."""
     values = {f"{contact}.penalty_factor": pick(random, 1e3, 1e4, 1e4, 1e6)}
     if random.integers(2):
         return values | {f"{contact}.method": "penalty"}
@@ -31,8 +31,8 @@ def law_of(random, contact):
 
 
 def ball_into_corner(random):
-    """Contacts with up to three planes, which begin while others last and end in any order. No touch that
-    is head-on falls on the end of the run, where rounding would decide whether it is counted."""
+    """Contacts with up to three planes begin while others last and end in any order. No head-on touch falls
+    on the end of the run, where rounding would decide whether it is counted."""
     gaps = [pick(random, 0.0, 0.01, 0.02, 0.03, 0.05, 0.07, 0.9) for _ in range(3)]
     values = {"ball.center": [0.1 + gap for gap in gaps]}
     values |= {"ball.initial_velocity": [-pick(random, 0.5, 1.0, 2.0) for _ in range(3)]}
@@ -45,7 +45,7 @@ def ball_into_corner(random):
 
 
 def balls_in_a_row(random):
-    """Balls that touch, nearly touch or are apart, hit along their row or beside it."""
+    """Balls touch, nearly touch or are apart, and are hit along their row or beside it."""
     gaps = [pick(random, 0.0, 1e-4, 0.001, 0.01, 0.05) for _ in range(2)]
     aside = pick(random, 0.0, 0.0, 0.01, 0.05)
     values = {"left.center": [-0.2 - gaps[0], aside, 0.0], "middle.center": [0.0, 0.0, 0.0]}
@@ -61,7 +61,7 @@ def balls_in_a_row(random):
 
 
 def rubbed_in_a_corner(random):
-    """Contacts that rub begin while others last; most dashpots act on approach alone, or not at all."""
+    """Contacts that rub begin while others last. Most dashpots act on approach alone, or not at all."""
     values = {"ball.center": [0.1 + pick(random, 0.0, 0.01, 0.02, 0.05) for _ in range(3)]}
     values |= {"ball.initial_velocity": [-pick(random, 0.5, 1.0, 2.0) for _ in range(3)]}
     values |= {"ball.rotation": pick(random, "none", "free")}
@@ -90,7 +90,7 @@ def rubbed_in_a_corner(random):
 
 @pytest.mark.parametrize("seed", seeds(12))
 def test_cvode_loses_no_friction_among_contacts_that_share_a_body(opened_several, seed):
-    """CVODE leaves 1e-8 at its tolerance of 1e-9; friction lost for a contact changes speeds by 0.1."""
+    """CVODE leaves 1e-8 at its tolerance of 1e-9. Friction lost for a contact changes speeds by 0.1."""
     scene = rubbed_in_a_corner(np.random.default_rng(seed))
     fmu = opened_several(scene.fmu)
     right = answer(fmu, scene, 1e-10, 1, readings=False)
@@ -109,7 +109,7 @@ def direction(random):
 
 
 def dropped_without_slip(random):
-    """A ball that falls head-on along an axis that has no digits: its slip is rounding alone."""
+    """A ball falls head-on along an axis that has no exact digits: its slip is rounding alone."""
     normal = direction(random)
     radius = pick(random, 0.01, 0.1)
     values = {"source.radius": radius}
@@ -131,7 +131,7 @@ def dropped_without_slip(random):
 
 
 def rolling_on_a_turntable(random):
-    """Friction that rolls from the start on, down to a v_0 that is hardly more than rounding of speeds."""
+    """Friction rolls from the start on, down to a v_0 that is hardly more than rounding of speeds."""
     values = {"contact.characteristic_slip_velocity": pick(random, 1e-4, 1e-6, 1e-8, 1e-10, 1e-11, 1e-12)}
     values |= {"contact.friction_coefficient": pick(random, 0.3, 0.5, 1.0)}
     values |= {"destination.prescribed_angular_velocity": [0.0, 0.0, pick(random, 1.0, 3.0, -2.0)]}
@@ -169,7 +169,7 @@ def test_a_touch_during_another_contact_is_found_in_any_number_of_steps(opened_s
 
 @pytest.mark.parametrize("gap", [0.02, 0.0201, 0.025, 0.04])
 def test_impacts_by_hertz_law_that_overlap_are_those_of_each_plane(opened_several, gap):
-    """Without damping the ball leaves both planes as fast as it came; an impact lasts 2.943 times the largest
+    """Without damping the ball leaves both planes as fast as it came. An impact lasts 2.943 times the largest
     penetration over the speed. Steps from a touch and to a release follow the power 3/2 of the time."""
     fmu = opened_several("BallInCorner")
     values = {"ball.center": [0.1 + gap, 0.12, 1.0], "ball.initial_velocity": [-1.0, -1.0, 0.0]}
@@ -217,7 +217,7 @@ def test_a_turntable_rolls_at_the_smallest_slip(opened, slip_velocity):
 
 
 def dropped_ball(random):
-    """A ball let fall on a plane; it often touches on a communication point, never at the end of the run."""
+    """A ball falls on a plane. It often touches on a communication point, never at the end of the run."""
     values = {"source.center": [0.0, 0.0, 0.1 + 0.5 * float(random.choice([0.01, 0.25, 1.0])) * 10.0]}
     values |= {"gravity": [0.0, 0.0, -10.0]}
     values |= {"contact.viscous_penalty_factor": float(random.choice([0.0, 10.0, 100.0]))}

@@ -11,7 +11,7 @@ STEPS = (1, 2, 7, 22, 100, 300)
 
 
 def ended(opened, scene, random):
-    """The FMU at the scene's end, whatever the tolerance and the number of steps"""
+    """Returns the FMU at the scene's end. Tolerance and number of steps are random."""
     tolerance, steps = float(pick(random, *TOLERANCES)), pick(random, *STEPS)
     return run(opened(scene.fmu), scene.values, scene.end, steps, tolerance)
 
@@ -20,7 +20,7 @@ def ended(opened, scene, random):
 
 
 def _supports(random):
-    """FMU, values and the direction from the destination to the source."""
+    """Returns FMU, values and the direction from the destination to the source."""
     shape = pick(random, "sphere", "shell", "plane", "cylinder", "tube", "cap")
     up = np.array(pick(random, (0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.0, -1.0, 0.0)))
     if shape == "plane":
@@ -39,7 +39,7 @@ def _supports(random):
 
 
 def resting(random):
-    """A ball laid down without speed, or let fall a little, that rests until the end."""
+    """A ball is laid down without speed, or falls a little, and rests until the end."""
     fmu, values, up = _supports(random)
     stiffness = float(pick(random, 1e4, 1e6, 1e9, 1e12))
     mass = float(pick(random, 0.1, 1.0, 2.0))
@@ -110,7 +110,7 @@ def test_hops_below_rounding_end_on_a_cylinder_with_open_ends(opened):
 
 
 def hertz_impact(random):
-    """Two balls that meet in flight, head-on or not."""
+    """Two balls meet in flight, head-on or not."""
     along = np.array(pick(random, (0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.6, 0.0, 0.8), (3 / 7, -2 / 7, 6 / 7)))
     across = np.cross(along, np.roll(along, 1) + np.array([0.0, 0.5, 0.0]))
     across /= np.linalg.norm(across)
@@ -151,7 +151,7 @@ def test_marbles_touch_once_whatever_the_tolerance(opened, tolerance, steps):
 
 
 class Driven:
-    """An input as an importer sets it at communication points, and its first and second integral over time"""
+    """Holds an input as an importer sets it, with its first and second integral over time."""
 
     def __init__(self):
         self.value, self.rate, self.bend, self.once, self.twice = 0.0, 0.0, 0.0, 0.0, 0.0
@@ -180,7 +180,7 @@ class Driven:
 
 @pytest.mark.parametrize("seed", seeds(20))
 def test_what_is_not_set_of_an_input_goes_on(opened, seed, method):
-    """A force on a free body of 1 kg, and the displacement of a prescribed one, in any order of the calls"""
+    """A force on a free body of 1 kg and a prescribed displacement are set by calls in any order."""
     random = np.random.default_rng(seed)
     values = {"source.center": [50.0, 0.0, 0.0], "gravity": [0.0, 0.0, 0.0], "source.mass": 1.0}
     values["destination.motion"] = "prescribed"
@@ -209,7 +209,7 @@ def test_what_is_not_set_of_an_input_goes_on(opened, seed, method):
 
 
 def rebound(random):
-    """A free head-on impact; the coefficient may be near zero."""
+    """A free impact is head-on. The coefficient may be near zero."""
     scene = str(pick(random, "SphereSphere", "SpherePlane", "SphereCylinder"))
     touching = 0.1 if scene == "SpherePlane" else 0.6
     gap = float(pick(random, 0.0, 0.1, 0.5))

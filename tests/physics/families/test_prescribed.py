@@ -27,7 +27,7 @@ def law(random, values):
 
 
 def motion(values, body, velocity, acceleration):
-    """A body that starts with this velocity and keeps this acceleration."""
+    """The body starts with this velocity and keeps this acceleration."""
     values[f"{body}.motion"] = "prescribed"
     values[f"{body}.prescribed_velocity"] = typed(velocity)
     values[f"{body}.prescribed_displacement.derivatives"] = [typed(velocity), typed(acceleration)]
@@ -35,8 +35,8 @@ def motion(values, body, velocity, acceleration):
 
 
 def pass_by(random, values, middle, speeds=(0.5, 1.0, 2.0)):
-    """The source comes to `middle` after 0.5 or 0.4 of the run, straight or on a parabola that turns there;
-    the end of the run, which often puts events on communication points."""
+    """The source comes to `middle` after 0.5 or 0.4 of the run, straight or on a parabola that turns there.
+    The end of the run is round, so that events often fall on communication points."""
     end = pick(random, 0.5, 1.0, 2.0)
     speed = pick(random, *speeds)
     along = UNITS[random.integers(6)] if random.random() < 0.7 else np.array([0.6, 0.8, 0.0])
@@ -56,7 +56,7 @@ def pass_by(random, values, middle, speeds=(0.5, 1.0, 2.0)):
 
 
 def scales(stiffness, **more):
-    """A force is known to the tolerance as a part of what a penetration of a tenth of a metre makes."""
+    """Returns the scales of errors: a force's is that at a penetration of a tenth of a metre."""
     force = 0.1 * stiffness
     energies = dict.fromkeys(("contact", "dissipated", "external_work", "total", "friction"), 0.1 * force)
     forces = dict.fromkeys(("mean_force", "peak_force"), force)
@@ -65,7 +65,7 @@ def scales(stiffness, **more):
 
 
 def at_a_face(random, fmu):
-    """Places of the source near which it touches: on axes, at equal radii, at edges, in the centre."""
+    """Returns places of the source near a touch: on axes, at equal radii, at edges, in the centre."""
     values = {"gravity": [0.0, 0.0, 0.0], "source.radius": pick(random, 0.1, 0.5)}
     depth = pick(random, 1e-3, 0.01, 0.05)  # a graze of exactly zero is whatever rounding makes of it
     if fmu == "SpherePlane":
@@ -85,14 +85,14 @@ def at_a_face(random, fmu):
 
 
 def straight_or_bent(random):
-    """Nothing turns: universal FMUs and the force element, events often on communication points."""
+    """Nothing turns in universal FMUs and the force element. Events often fall on communication points."""
     fmu = pick(random, "SphereSphere", "SphereCylinder", "SpherePlane")
     values, middle = at_a_face(random, fmu)
     return Scene(fmu, values, pass_by(random, values, middle), floor=scales(law(random, values)))
 
 
 def over_a_rim(random):
-    """A capped cylinder, whose rim the source passes once or twice, shallow or deep."""
+    """The source passes a capped cylinder's rim once or twice, shallow or deep."""
     values = {"gravity": [0.0, 0.0, 0.0], "destination.axis": [0.0, 0.0, 1.0]}
     values |= {"destination.finite_length": True, "destination.length": 1.0, "destination.ends": "capped"}
     values |= {"source.radius": pick(random, 0.05, 0.1, 0.5)}
@@ -105,7 +105,7 @@ def over_a_rim(random):
 
 
 def turning_and_rubbing(random):
-    """Both bodies may turn, the normal of plane or cylinder with them; friction of every kind."""
+    """Both bodies may turn, and the normal of plane or cylinder with them. Friction is of every kind."""
     fmu = pick(random, "SphereSphere", "SphereCylinder", "SpherePlane", "TurningForceElement")
     values, middle = at_a_face(random, "SphereCylinder" if fmu.startswith("Turning") else fmu)
     stiffness = law(random, values)
@@ -138,7 +138,7 @@ def turning_and_rubbing(random):
 
 
 def force_element(random):
-    """Without any state: means and peaks of one step are those of many."""
+    """The element has no state: means and peaks of one step are those of many."""
     values, middle = at_a_face(random, "SphereCylinder")
     stiffness = law(random, values)
     end = pass_by(random, values, middle)
@@ -239,7 +239,7 @@ def test_events_at_edges_and_communication_points_are_those_of_the_closed_form(o
 @pytest.mark.parametrize("axial", [0.5, -0.5])
 @pytest.mark.parametrize("velocity", [[0.0, 0.0, 0.0], [0.0, 1e-3, 0.0]])
 def test_a_force_element_in_the_plane_of_an_open_end_agrees_with_itself(opened, axial, velocity):
-    """|c.e_d| = L/2 is within: what is active has a mean and a peak."""
+    """|c.e_d| = L/2 is within the cylinder: an active contact has a mean and a peak."""
     values = {"destination.axis": [0.0, 0.0, 1.0], "destination.finite_length": True}
     values |= {"destination.length": 1.0, "source.center": [0.599, 0.0, axial]}
     values |= {"source.prescribed_displacement.derivatives": [velocity]}
@@ -270,7 +270,7 @@ HANGING |= {"source.prescribed_displacement": [0.59, 0.0, 0.0], "contact.frictio
 @pytest.mark.parametrize("speed", [1.0, 0.4])
 @pytest.mark.parametrize("spin", [0.0, 1.0])
 def test_a_clipped_dashpot_of_what_turns_holds_up_no_step(opened, steps, speed, spin):
-    """gap = speed t - 0.01: at 1 m/s the dashpot would pull from the start; at 0.4 m/s from 2 mm on,
+    """gap = speed t - 0.01. At 1 m/s the dashpot would pull from the start. At 0.4 m/s it would from 2 mm on,
     where 1e4 N/m 2 mm = 200 N s/m 0.4 m/s / 4: clipped from 1e4 (0.01 - 0.4 t) = 80, t = 5 ms, on."""
     values = HANGING | {"source.prescribed_velocity": [speed, 0.0, 0.0]}
     values |= {"source.prescribed_displacement.derivatives": [[speed, 0.0, 0.0]]}
@@ -304,7 +304,7 @@ def test_a_source_passes_the_axis_of_a_cylinder_that_turns_about_its_path(opened
 @pytest.mark.parametrize("spin", [[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 1.0]])
 @pytest.mark.parametrize("steps", [1, 10])
 def test_a_gap_rate_that_is_rounding_holds_up_no_step(opened, spin, steps):
-    """An approach_only dashpot under a cylinder that begins to turn away from a source at rest."""
+    """An approach_only dashpot acts under a cylinder that begins to turn away from a source at rest."""
     values = {"contact.dashpot": "approach_only", "destination.axis": [1.0, 0.0, 0.0]}
     values |= {"destination.prescribed_axis": [1.0, 0.0, 0.0], "source.center": [0.18, 0.52, 0.0]}
     values |= {"destination.prescribed_angular_velocity": spin}
@@ -339,7 +339,7 @@ def test_what_rises_above_a_spinning_cap_before_it_falls_is_met(opened, motion, 
 
 @pytest.mark.parametrize("steps", [1, 7, 30])
 def test_friction_without_a_dashpot_ends_with_the_normal_force(opened, steps):
-    """gap = 0.4 t - 0.35: the normal force falls from 3100 N to 0 at 0.775 s; the slip is (5, 0, 0.4) m/s."""
+    """gap = 0.4 t - 0.35: the normal force falls from 3100 N to 0 at 0.775 s. The slip is (5, 0, 0.4) m/s."""
     values = HANGING | {"source.radius": 0.5, "source.prescribed_displacement": [0.0, 0.65, 0.0]}
     values |= {"source.prescribed_velocity": [0.0, 0.4, 0.4]}
     values |= {"source.prescribed_displacement.derivatives": [[0.0, 0.4, 0.4]]}
@@ -364,7 +364,7 @@ def test_a_source_that_slides_along_a_cylinder_exactly_at_the_touch_holds_up_no_
 
 
 def test_what_changes_without_end_is_refused_with_a_message(opened):
-    """A wheel that goes round a million times in one step, about a direction that turns."""
+    """A wheel goes round a million times in one step, about a direction that turns."""
     values = HANGING | {"source.prescribed_velocity": [0.0, 0.0, 0.0]}
     values |= {"destination.prescribed_angular_velocity": [1e6, 0.0, 0.0]}
     values |= {"destination.prescribed_angular_velocity.derivatives": [[0.0, 1e6, 0.0]]}
