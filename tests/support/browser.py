@@ -76,7 +76,7 @@ class Browser:
         self.folder.cleanup()
 
     def call(self, method: str, session: str | None = None, **parameters: Any) -> dict:
-        """One command of the Chrome DevTools Protocol"""
+        """Sends one command of the Chrome DevTools Protocol."""
         self.number += 1
         message = {"id": self.number, "method": method, "params": parameters}
         if session is not None:
@@ -151,7 +151,7 @@ class Page:
                 self.requests.append(address)
 
     def run(self, script: str) -> Any:
-        """The value of an expression, of a promise what it comes to"""
+        """Returns the value of an expression, or what a promise comes to."""
         answer = self.call("Runtime.evaluate", expression=script, returnByValue=True, awaitPromise=True)
         if "exceptionDetails" in answer:
             raise RuntimeError(answer["exceptionDetails"]["exception"]["description"])

@@ -36,7 +36,7 @@ class Caller:
         del instance.messages[:]
 
     def look(self) -> bytes:
-        """The saved state, empty where there is none"""
+        """Returns the saved state, empty where there is none."""
         state = c_void_p()
         if self.instance.call(f"Get{self.instance.STATE}", byref(state)) != OK:
             return b""
@@ -47,7 +47,7 @@ class Caller:
         return self.instance.call(function, *self.arguments(function))
 
     def fault(self, function: str, allowed: bool, where: str, answer: int = OK) -> str | None:
-        """What is wrong about the answer to a call in or out of order, or None"""
+        """Returns what is wrong about the answer to a call in or out of order, or None."""
         before, arguments = self.look(), self.arguments(function)
         del self.instance.messages[:]
         status, texts = self.instance.call(function, *arguments), self.instance.texts()

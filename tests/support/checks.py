@@ -9,7 +9,7 @@ FMU = {"sphere": "SphereSphere", "cylinder": "SphereCylinder"}
 
 
 def differences(what, value, expected, allowed):
-    """Empty when every |value - expected| <= allowed (scalars or vectors); otherwise a line with both"""
+    """Returns nothing when all |value - expected| <= allowed (scalars or vectors), else a line with both."""
     value, expected = np.asarray(value, np.longdouble), np.asarray(expected, np.longdouble)
     error = np.max(np.abs(value - expected))
     if error <= allowed:  # False for NaN
@@ -35,7 +35,8 @@ def check_relative(what, value, expected, relative):
 
 
 def start(fmu, configuration, tolerance=None, method=None):
-    """A fresh run at time 0. "<input>.derivatives" lists the first and second derivatives given at time 0."""
+    """Starts a run at time 0. "<input>.derivatives" lists the first and second derivatives given at time
+    0."""
     fmu.reset()
     fmu.messages.clear()
     values = {name: value for name, value in configuration.items() if not name.endswith(".derivatives")}
@@ -66,7 +67,7 @@ def run(fmu, configuration, end, steps=10, tolerance=1e-10, method="event_driven
 
 
 def by_methods(failures_of):
-    """What `failures_of(method)` lists, of the methods of which it lists anything"""
+    """Returns what `failures_of(method)` lists, for the methods for which it lists anything."""
     found = {method: failures_of(method) for method in METHODS}
     return {method: lines for method, lines in found.items() if lines}
 

@@ -14,7 +14,7 @@ TOLERANCE = 1e-11
 
 
 def scalars(start: dict, description) -> dict:
-    """Start values by the names of the description, items of enumerations as numbers"""
+    """Returns start values by the names of the description, items of enumerations as numbers."""
     known = {variable.name: variable for variable in description.modelVariables}
     flat = {}
     for name, value in start.items():

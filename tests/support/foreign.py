@@ -120,7 +120,7 @@ def _changed(folder: Path, version: int, **changes) -> Path:
 
 
 def _damaged(folder: Path, version: int) -> Path:
-    """A byte of the stored library changed, so that its checksum does not agree"""
+    """Changes a byte of the stored library, so that its checksum does not agree."""
     file = foreign_fmu(folder, version)
     content = bytearray(file.read_bytes())
     content[content.index(b"\x7fELF") + 100] ^= 0xFF

@@ -12,7 +12,7 @@ _kept = tempfile.TemporaryDirectory()
 
 @functools.cache
 def compiled(unit: Path, scene: str) -> Path:
-    """The unit's object file as the scene's code; constant tables of pointers are read-only without -fPIC."""
+    """Returns the unit's object file. Constant tables of pointers are read-only without -fPIC."""
     # Named by its place below fmu_src: files of two folders may have one name.
     name = "_".join(unit.relative_to(SOURCE).parts) if unit.is_relative_to(SOURCE) else unit.name
     made = Path(_kept.name) / f"{scene}_{name}.o"
@@ -22,7 +22,7 @@ def compiled(unit: Path, scene: str) -> Path:
 
 
 def symbols(unit: Path, scene: str) -> list[list[str]]:
-    """What nm says of the unit, in words"""
+    """Returns what nm says of the unit, in words."""
     return [line.split() for line in finished(["nm", compiled(unit, scene)], check=True).stdout.splitlines()]
 
 
@@ -43,7 +43,7 @@ def file_graph(units: dict[str, tuple[set[str], set[str]]]) -> dict[str, set[str
 
 
 def circle(edges: dict[str, set[str]]) -> list[str] | None:
-    """Some path that ends where it began, or None"""
+    """Returns some path that ends where it began, or None."""
     done: set[str] = set()
 
     def visit(name, path):

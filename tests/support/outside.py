@@ -34,7 +34,7 @@ class Outside:
         return self.read("GetContinuousStates")
 
     def feed(self, time: float) -> None:
-        """Time and the inputs of that instant"""
+        """Sets time and the inputs of that instant."""
         self.instance.ok("SetTime", time)
         self.instance.set(self.inputs(time))
 

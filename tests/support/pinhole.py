@@ -17,7 +17,7 @@ class Camera:
         self.focus = 0.5 * self.height / np.tan(0.5 * np.radians(about["angle"]))
 
     def project(self, points):
-        """Pixels from the left and from the top of the picture, one row a point"""
+        """Returns pixels from the left and from the top of the picture, one row a point."""
         apart = np.atleast_2d(points) - self.position
         depth = apart @ self.forward
         x = 0.5 * self.width + self.focus * (apart @ self.right) / depth
@@ -25,7 +25,8 @@ class Camera:
         return np.column_stack([x, y])
 
     def disc(self, center, radius):
-        """Middle and area of what a sphere covers: an ellipse, its middle not quite at the centre's place"""
+        """Returns middle and area of a sphere's picture: an ellipse, hardly shifted against the centre's
+        place."""
         apart = center - self.position
         distance = np.linalg.norm(apart)
         toward = apart / distance

@@ -24,7 +24,7 @@ HEADERS = Path(fmpy.__file__).parent / "c-code"
 
 
 def unpacked(fmu, folder):
-    """The folder, with the FMU in it"""
+    """Unpacks the FMU into the folder and returns the folder."""
     with zipfile.ZipFile(fmu) as archive:
         archive.extractall(folder)
     return folder
@@ -48,14 +48,14 @@ def components(name, length):
 
 
 def outputs(about):
-    """Names of what the host for FMI 2.0 prints after the time"""
+    """Returns names of what the host for FMI 2.0 prints after the time."""
     there = {variable.name for variable in about.modelVariables}
     names = [one for name, length in LENGTHS.items() for one in components(name, length)]
     return [name for name in names if name in there]
 
 
 def host_arguments(folder, configuration, end):
-    """Start values and outputs as the hosts take them, by value references"""
+    """Returns start values and outputs as the hosts take them, by value references."""
     about = fmpy.read_model_description(str(folder))
     by_name = {variable.name: variable for variable in about.modelVariables}
     words = [about.guid, str(end), str(STEPS)]
@@ -85,7 +85,7 @@ def _of_arrays(by_name, configuration):
 
 
 def motion(host, library, folder, configuration, end, environment=None):
-    """What the host prints, a line of time and outputs for each step; host: the words that start it"""
+    """Returns the host's output: a line of time and outputs each step. `host` begins its command."""
     command = [*map(str, host), str(library), *host_arguments(folder, configuration, end)]
     run = finished(command, env={**os.environ, **(environment or {})})
     assert run.returncode == 0, run.stderr

@@ -11,7 +11,7 @@ PATIENCE = 3600
 
 
 def python(module, *arguments):
-    """The command"""
+    """Returns the command."""
     return [sys.executable, "-B", "-m", module, *map(str, arguments)]
 
 
@@ -22,13 +22,13 @@ def environment(**more):
 
 
 def finished(command, **options):
-    """A program that has ended, with its status and what it said"""
+    """Runs a program to its end, and returns its status and what it said."""
     said = {"capture_output": True, "text": True, "timeout": PATIENCE, "check": False}
     return subprocess.run([str(word) for word in command], **(said | options))
 
 
 def checked(command, cwd=None, timeout=PATIENCE, status=0, environment=None):
-    """What a program says; its status must be `status`, or any where that is None"""
+    """Returns what a program says. Its status must be `status`, or any where that is None."""
     whole = {**os.environ, **(environment or {})}
     run = finished(command, cwd=cwd, timeout=timeout, env=whole, stdin=subprocess.DEVNULL)
     assert status in (None, run.returncode), f"{command}: {run.stdout[-2000:]}{run.stderr[-2000:]}"

@@ -52,7 +52,7 @@ def _argument(text: str, types: dict[str, Any]) -> Any:
 
 
 def bind(library_file: str | Path, prototypes: dict[str, Prototype]) -> ctypes.CDLL:
-    """The library with the prototypes of its functions"""
+    """Returns the library with the prototypes of its functions."""
     library = ctypes.CDLL(str(library_file))
     for name, prototype in prototypes.items():
         function = getattr(library, name)
@@ -98,7 +98,7 @@ class AnyInstance:
             self.component = None
 
     def call(self, function: str, *arguments: Any) -> int:
-        """The status of fmi<version><function>(instance, ...)"""
+        """Returns the status of fmi<version><function>(instance, ...)."""
         return getattr(self.fmu.library, f"{self.prefix}{function}")(self.component, *arguments)
 
     def ok(self, function: str, *arguments: Any) -> None:

@@ -13,7 +13,7 @@ PLAIN = {"LD_PRELOAD": ""}  # a sanitizer is the tests' own
 
 
 def built():
-    """The file of each by the name of its scene; one process at a time makes what is missing"""
+    """Returns the file of each scene by its name. One process at a time makes missing files."""
     found = {scene.stem: FOLDER / "fmus" / f"{scene.stem}.fmu" for scene in SCENES}
     FOLDER.mkdir(parents=True, exist_ok=True)
     with (FOLDER / "lock").open("w") as lock:

@@ -34,14 +34,14 @@ def layer(path):
 
 
 def units_of(scene, adapter=None):
-    """The sources that CMake compiles for the scene, for one adapter or all, the generated one included."""
+    """Returns the sources that CMake compiles for the scene, for one adapter or all, generated ones too."""
     files = {"fmi2": "units.txt", "fmi3": "units3.txt"}
     lists = [(BUILD / "scenes" / scene / files[a]).read_text() for a in ADAPTERS if adapter in (None, a)]
     return [Path(line) for line in dict.fromkeys(line for text in lists for line in text.splitlines())]
 
 
 def headers_of(scene):
-    """The headers that they include, directly or by way of others."""
+    """Returns the headers that they include, directly or by way of others."""
     found = set()
     ahead = units_of(scene)
     while ahead:

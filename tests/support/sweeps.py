@@ -57,7 +57,7 @@ def command(file, *options):
 
 
 def sweep(file, *options, status=0):
-    """The finished command; its status is checked, and that no traceback was printed"""
+    """Returns the finished command; its status is checked, and that no traceback was printed."""
     said = finished(command(file, *options), env=environment())
     assert said.returncode == status, said.stderr
     assert "Traceback" not in said.stderr

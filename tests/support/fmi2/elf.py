@@ -10,24 +10,24 @@ def run(*command):
 
 
 def needed(library):
-    """Names of the libraries that the loader brings along."""
+    """Returns names of the libraries that the loader brings along."""
     return set(re.findall(r"\(NEEDED\).*\[(.*)\]", run("readelf", "-dW", library)))
 
 
 def exported(library):
-    """Names that others can link to."""
+    """Returns names that others can link to."""
     lines = run("nm", "-D", "--defined-only", library).splitlines()
     return {line.split()[-1].partition("@")[0] for line in lines}
 
 
 def glibc_version(library):
-    """The oldest glibc that has everything the library asks of it, as (2, 29)."""
+    """Returns the oldest glibc that has everything the library asks of it, as (2, 29)."""
     versions = re.findall(r"GLIBC_(\d+)\.(\d+)", run("readelf", "-VW", library))
     return max((int(major), int(minor)) for major, minor in versions)
 
 
 def symbols(library):
-    """All names in the symbol table of a library that was not stripped, static functions included."""
+    """Returns all names in the symbol table of a library that was not stripped, static functions included."""
     table = run("nm", library)
     assert table.strip(), f"{library} is stripped"
     return {line.split()[-1].partition("@")[0] for line in table.splitlines()}
@@ -46,5 +46,5 @@ def lines_with_code(library):
 
 
 def text(library):
-    """The printable strings of the whole file."""
+    """Returns the printable strings of the whole file."""
     return run("strings", "-a", "-n", "4", library)

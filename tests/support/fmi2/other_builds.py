@@ -16,7 +16,7 @@ LEFT_OUT = ("-flto", "-fno-fat-lto", "-fwhole-program", "-O", "-M", "-g")
 
 
 def _commands(scene: str) -> tuple[list[str], list[str]]:
-    """How ninja compiles the scene's one unit, and how it links the library"""
+    """Returns how ninja compiles the scene's one unit, and how it links the library."""
     told = finished(
         ["ninja", "-C", str(BUILD), "-t", "commands", f"libraries/{scene}.so"], check=True
     ).stdout.splitlines()
@@ -26,7 +26,7 @@ def _commands(scene: str) -> tuple[list[str], list[str]]:
 
 
 def _plain(line: str) -> list[str]:
-    """The command without its compiler, its output and its flags of optimization"""
+    """Returns the command without its compiler, its output and its flags of optimization."""
     words = [word for word in shlex.split(line) if word not in (":", "&&")]
     kept = []
     for before, word in itertools.pairwise(words):
@@ -37,7 +37,7 @@ def _plain(line: str) -> list[str]:
 
 
 def build(scene: str, compiler: str, flags: Iterable[str], folder: Path) -> raw.Fmu:
-    """The FMU of the scene with its code from this compiler"""
+    """Returns the FMU of the scene with its code from this compiler."""
     unit, library = folder / f"{scene}.o", folder / f"{scene}.so"
     compile_, link = _commands(scene)
     link = [str(unit) if word.endswith(".c.o") else word for word in link]

@@ -75,7 +75,7 @@ class Variable(NamedTuple):
 
     @property
     def call_type(self) -> str:
-        """The part of fmi2Get... and fmi2Set... that fits"""
+        """Returns the part of fmi2Get... and fmi2Set... that fits."""
         return "Integer" if self.type == "Enumeration" else self.type
 
     @property
@@ -105,14 +105,14 @@ class Fmu(prototypes.AnyFmu):
         self.library = prototypes.bind(library_file, PROTOTYPES)
 
     def with_library(self, library_file: Path) -> Fmu:
-        """The same FMU with another build of its code"""
+        """Returns the same FMU with another build of its code."""
         other = copy.copy(self)
         other._open(library_file)
         return other
 
 
 def _roles(description: Any) -> dict[str, list[str]]:
-    """Names of the states, of their rates, and of the event indicators, in the order of their vectors"""
+    """Returns names of the states, of their rates and of the event indicators, in their vectors' order."""
     rates = [entry.variable for entry in description.derivatives]
     indicators = [one.name for one in description.modelVariables if one.name.endswith("_indicator")]
     assert len(indicators) == description.numberOfEventIndicators
@@ -216,7 +216,7 @@ class Instance(prototypes.AnyInstance):
         return [self.get_one(variables[one]) for one in names if one in variables]
 
     def bits(self, *causalities: str) -> dict[str, bytes]:
-        """Name -> bytes of every value, or of those of the given causalities: equal only when the bits are"""
+        """Returns name -> bytes of every value, or of the given causalities: equal only when the bits are."""
         chosen = self.fmu.select(*causalities) if causalities else self.fmu.variables.values()
         return {
             variable.name: struct.pack("<d" if variable.type == "Real" else "<i", self.get_one(variable))
@@ -224,14 +224,14 @@ class Instance(prototypes.AnyInstance):
         }
 
     def reals(self, variables: Iterable[Variable]) -> list[float]:
-        """Values of Real variables in one call"""
+        """Returns values of Real variables in one call."""
         references = [variable.reference for variable in variables]
         values = array(c_double, [0.0] * len(references))
         self.ok("GetReal", array(c_uint, references), len(references), values)
         return list(values)
 
     def directional(self, unknowns: list[int], knowns: list[int], seed: list[float]) -> tuple[int, list]:
-        """Status and values of a directional derivative, by value references"""
+        """Returns status and values of a directional derivative, by value references."""
         values = array(c_double, [0.0] * len(unknowns))
         about = (array(c_uint, unknowns), len(unknowns), array(c_uint, knowns), len(knowns))
         return self.call("GetDirectionalDerivative", *about, array(c_double, seed), values), list(values)
@@ -244,14 +244,14 @@ class Instance(prototypes.AnyInstance):
         return list(values)
 
     def feed(self, name: str, order: int, values: Iterable[float]) -> None:
-        """A derivative of an input that is a vector"""
+        """Sets a derivative of an input that is a vector."""
         references = array(c_uint, [self.fmu.variables[f"{name}[{k}]"].reference for k in (1, 2, 3)])
         self.ok("SetRealInputDerivatives", references, 3, array(c_int, [order] * 3), array(c_double, values))
 
     # life cycle
 
     def run(self, steps: Iterable[float], start: float = 0.0) -> list[dict[str, bytes]]:
-        """The bits of all outputs after each step"""
+        """Returns the bits of all outputs after each step."""
         time = start
         rows = []
         for size in steps:
@@ -271,7 +271,7 @@ class Instance(prototypes.AnyInstance):
     RATES = "GetDerivatives"
 
     def update_discrete_states(self) -> tuple[bool, bool, float | None]:
-        """Whether that has to be done again, whether a state has jumped, when the next event will be"""
+        """Returns whether to update again, whether a state has jumped, and when the next event will be."""
         news = EventInfo()
         self.ok("NewDiscreteStates", byref(news))
         scheduled = news.next_event if news.next_event_defined else None
@@ -283,7 +283,7 @@ class Instance(prototypes.AnyInstance):
     # states
 
     def taken(self) -> c_void_p:
-        """A state of now, for the importer to free"""
+        """Saves the present state, which the importer has to free."""
         state = c_void_p()
         self.ok("GetFMUstate", byref(state))
         return state

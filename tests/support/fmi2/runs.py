@@ -83,7 +83,7 @@ SHAKEN = {**SOFT, "destination.motion": "prescribed"}
 
 
 def _at(*center: float, **law: Any) -> dict[str, Any]:
-    """The source's centre, and choices of the contact"""
+    """Returns the source's centre, and choices of the contact."""
     return {"source.center": list(center)} | {f"contact.{name}": value for name, value in law.items()}
 
 
@@ -100,7 +100,7 @@ HIT |= {"destination.axis": [0.0, 1.0, 0.0], "destination.rotation": "free", "de
 
 
 def _stepped(time: float) -> dict[str, Any]:
-    """A foot that rolls over its balls, with its angular velocity along x"""
+    """A foot rolls over its balls, with its angular velocity along x."""
     values = {"foot.prescribed_displacement": [0.1 * time, 0.0, 0.001 * math.sin(9 * time)]}
     values |= {"foot.prescribed_velocity": [0.1, 0.0, 0.009 * math.cos(9 * time)]}
     values |= {"foot.prescribed_orientation": [1.5, 0.03 * math.sin(4 * time), 0.0, 0.0]}
@@ -232,12 +232,12 @@ RUNS["adams in contact"] = RUNS["adams in contact"]._replace(tolerance=1e-10)
 
 
 def touches(instance: raw.Instance) -> bool:
-    """Whether any contact does"""
+    """Returns whether any contact touches."""
     return any(instance.get(name) for name in instance.fmu.variables if name.endswith(".active"))
 
 
 def time_after(count: int) -> float:
-    """The communication point after so many steps, added up as an importer does"""
+    """Returns the communication point after so many steps, added up as an importer does."""
     time = 0.0
     for index in range(count):
         time += SIZES[index % len(SIZES)]
@@ -259,7 +259,7 @@ def step(instance: raw.Instance, run: Run, index: int) -> dict[str, bytes]:
 
 
 def go_on(instance: raw.Instance, run: Run, first: int, last: int | None = None) -> list[dict[str, bytes]]:
-    """The bits of all outputs after each of the steps"""
+    """Returns the bits of all outputs after each of the steps."""
     return [step(instance, run, index) for index in range(first, run.steps if last is None else last)]
 
 

@@ -33,7 +33,7 @@ class Life:
         self.guid, self.gap, self.reference, self.method = guid.encode(), gap, reference, method
 
     def again(self, function, *arguments):
-        """A call that may be refused for want of memory, and works once there is some"""
+        """Makes a call that may be refused for want of memory, and works once there is some."""
         if function(*arguments) > WARNING:
             self.shim.failing_malloc_stop()
             assert function(*arguments) == OK, function.__name__
@@ -70,7 +70,7 @@ class Life:
         assert self.shim.failing_malloc_living() == 0, f"{self.shim.failing_malloc_living()} blocks left"
 
     def copy(self, one):
-        """A second instance that takes over the first one's state"""
+        """Makes a second instance that takes over the first one's state."""
         fmu, state, size = self.fmu, c_void_p(), c_size_t()
         self.again(fmu.fmi2GetFMUstate, one, byref(state))
         assert fmu.fmi2SerializedFMUstateSize(one, state, byref(size)) == OK

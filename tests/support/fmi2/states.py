@@ -25,7 +25,7 @@ def checksum(blob: bytes) -> int:
 
 
 def forge(blob: bytes, **changes) -> bytes:
-    """The blob with other header fields and, unless that is one of them, the checksum that fits"""
+    """Returns the blob with other header fields and, unless given, the checksum that fits."""
     fields = header(blob) | changes
     forged = _HEADER.pack(*fields.values()) + blob[HEADER_SIZE:]
     if "checksum" not in changes:
@@ -61,7 +61,7 @@ def bring_to(instance: raw.Instance, state: str) -> None:
 
 
 def fail_a_step(instance: raw.Instance) -> None:
-    """A step that the solver cannot finish in one internal step: a ball dropped on the other body"""
+    """Makes a step that the solver cannot finish in one internal step: a ball dropped on the other body."""
     drop = {"solver.method": 2, "solver.max_internal_steps": 1}
     if instance.fmu.name not in ("HertzImpact", "TippingRoller"):  # which hit as they start
         drop |= {"source.center[1]": 1.1, "gravity[1]": -9.81}

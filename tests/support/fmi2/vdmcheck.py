@@ -24,7 +24,7 @@ JAVA = ("java", "-Xmx1g", "-XX:+UseSerialGC", "-XX:TieredStopAtLevel=1")
 
 
 def prepare(folder=BUILD / "vdmcheck"):
-    """The folder with programs and models, filled by Maven when pom.xml is newer to it."""
+    """Returns the folder with programs and models, filled by Maven when pom.xml is newer to it."""
     folder = Path(folder).resolve()
     folder.mkdir(parents=True, exist_ok=True)
     stamp = folder / "pom.sha256"
@@ -41,7 +41,7 @@ def prepare(folder=BUILD / "vdmcheck"):
 
 
 def check(file, model, folder=None):
-    """What VDMCheck2 says about the FMU or description by one of MODELS; empty when it finds nothing."""
+    """Returns what VDMCheck2 says about the FMU or description by one of MODELS, or nothing."""
     folder = folder or prepare()
     sources = [
         f"fmi2-{model}",

@@ -54,7 +54,7 @@ class Variable(NamedTuple):
 
     @property
     def call_type(self) -> str:
-        """The part of fmi3Get... and fmi3Set... that fits"""
+        """Returns the part of fmi3Get... and fmi3Set... that fits."""
         return "Int64" if self.type == "Enumeration" else self.type
 
 
@@ -78,7 +78,7 @@ def _variable(found: Any) -> Variable:
 
 
 def _roles(description: Any) -> dict[str, list[str]]:
-    """Names of the states, of their rates, and of the event indicators, component by component"""
+    """Returns names of the states, of their rates, and of the event indicators, component by component."""
     rates = [entry.variable for entry in description.derivatives]
     roles = {"state": [one.derivative for one in rates], "rate": rates}
     roles["indicator"] = [entry.variable for entry in description.eventIndicators]
@@ -178,7 +178,7 @@ class Instance(prototypes.AnyInstance):
         return values[0] if variable.length == 1 else list(values)
 
     def bits(self, *causalities: str) -> dict[str, bytes]:
-        """Name -> bytes of every value of the given causalities"""
+        """Returns name -> bytes of every value of the given causalities."""
         return {one.name: np.asarray(self.get(one.name)).tobytes() for one in self.fmu.select(*causalities)}
 
     # life cycle
@@ -189,7 +189,7 @@ class Instance(prototypes.AnyInstance):
         return Step(status, *(one.value for one in told))
 
     def handle_event(self, enter: bool = True) -> None:
-        """One visit of event mode, as an importer makes it"""
+        """Visits event mode once, as an importer does."""
         if enter:
             self.ok("EnterEventMode")
         assert self.update_discrete_states() == (False, False, None)
@@ -200,7 +200,7 @@ class Instance(prototypes.AnyInstance):
     RATES = "GetContinuousStateDerivatives"
 
     def update_discrete_states(self) -> tuple[bool, bool, float | None]:
-        """Whether that has to be done again, whether a state has jumped, when the next event will be"""
+        """Returns whether to update again, whether a state has jumped, and when the next event will be."""
         again, terminate, nominals, jumped, scheduled = flags = [c_bool(True) for _ in range(5)]
         time = c_double()
         self.ok("UpdateDiscreteStates", *map(byref, flags), byref(time))

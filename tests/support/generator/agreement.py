@@ -6,7 +6,7 @@ from support.generator.generated import CATALOGUE, parse_c, parse_page, parse_xm
 
 
 def expected(name: str, scene: dict) -> dict:
-    """What variables.toml and the scene file say of one scalar, worked out without the generator."""
+    """Returns what variables.toml and the scene file say of one scalar, worked out without the generator."""
     key, row = row_of(name, scene)
     kind = CATALOGUE["type"][row["type"]]
     component = int(name.rpartition("[")[2].rstrip("]")) - 1 if name.endswith("]") else 0
@@ -41,7 +41,7 @@ FIELDS = {
 
 
 def disagreements(files: dict[str, str], scene: dict) -> list[str]:
-    """One line for each thing that the files of a scene say differently; none when they agree."""
+    """Returns one line for each thing that the files of a scene say differently."""
     xml, table = parse_xml(files["modelDescription.xml"]), parse_c(files["scene_variables.c"])
     page = parse_page(files["documentation/index.html"])
     found = []

@@ -36,12 +36,12 @@ SUMS_UP = {
 
 @cache
 def whole(name: str) -> str:
-    """A variable without the number of its component."""
+    """Returns the name of a variable without the number of its component."""
     return re.sub(r"\[\d\]$", "", name)
 
 
 def run(*arguments) -> subprocess.CompletedProcess:
-    """What generate.py says to these arguments and the status that it ends with, in this process"""
+    """Returns what generate.py says to these arguments and the status that it ends with, in this process."""
     out, errors = io.StringIO(), io.StringIO()
     with contextlib.redirect_stdout(out), contextlib.redirect_stderr(errors):
         try:
@@ -52,7 +52,7 @@ def run(*arguments) -> subprocess.CompletedProcess:
 
 
 def refused(done: subprocess.CompletedProcess, *words: str) -> None:
-    """One line on stderr with these words in this order, nothing on stdout, status 2"""
+    """Checks for one line on stderr with these words in this order, nothing on stdout, status 2."""
     assert (done.returncode, done.stdout) == (2, "")
     line, end = done.stderr[:-1], done.stderr[-1]
     assert end == "\n" and "\n" not in line and "Traceback" not in line
@@ -63,7 +63,7 @@ def refused(done: subprocess.CompletedProcess, *words: str) -> None:
 
 
 def generate(scene: Path, output: Path) -> dict[str, str]:
-    """Text of each file that generate.py writes for a scene, by its path in the output folder."""
+    """Returns the text of each file that generate.py writes for a scene, by its path in the output folder."""
     done = run("--scene", scene, "--output", output)
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
     return texts_in(output)
@@ -84,7 +84,7 @@ _kept = tempfile.TemporaryDirectory()
 
 @cache
 def folder_of(scene: str) -> Path:
-    """The files of a scene of the repository, its icons among them, made once"""
+    """Returns the files of a scene of the repository, its icons among them, made once."""
     folder = Path(_kept.name) / scene
     file = FOLDER / "scenes" / f"{scene}.toml"
     done = run("--scene", file, "--output", folder, "--icon", folder / "model.png")
@@ -109,7 +109,7 @@ def describe(scene: str) -> dict:
 
 
 def parse_xml(text: str) -> dict[str, dict]:
-    """Name -> what modelDescription.xml says of the variable, with what its declared type adds."""
+    """Returns name -> what modelDescription.xml says of the variable, with what its declared type adds."""
     root = etree.fromstring(text.encode())
     types = {entry.get("name"): entry[0] for entry in root.find("TypeDefinitions")}
     variables = {}
@@ -145,7 +145,7 @@ ROW = re.compile(
 
 
 def parse_c(text: str) -> dict[str, dict]:
-    """Name -> the fields of the C table, in the words of FMI."""
+    """Returns name -> the fields of the C table, in the words of FMI."""
     local = dict.fromkeys(("STATE", "RATE", "INDICATOR"), "local")
     causality = {"CALCULATED_PARAMETER": "calculatedParameter", **local}
     variables = {}
@@ -168,7 +168,7 @@ def words(element) -> str:
 
 
 def page_types(page) -> dict[str, tuple[str, str]]:
-    """Name of each type -> its range on the documentation page."""
+    """Returns name of each type -> its range on the documentation page."""
     rows = page.xpath("//table[@class='types']/tr[td]")
     return {words(row[0]): (words(row[2]), words(row[3])) for row in rows}
 
@@ -183,7 +183,7 @@ def page_range(limits: tuple[str, str], own: str, given: bool) -> tuple[str, str
 
 
 def parse_page(text: str) -> dict[str, dict]:
-    """Name of each scalar -> what its row in the tables of the documentation page says."""
+    """Returns name of each scalar -> what its row in the tables of the documentation page says."""
     variables = {}
     page = html.fromstring(text)
     types = page_types(page)
@@ -214,7 +214,7 @@ def parse_page(text: str) -> dict[str, dict]:
 
 
 def row_of(name: str, scene: dict) -> tuple[str, dict]:
-    """Key and row of variables.toml of a scalar variable, from its name and the scene file alone."""
+    """Returns key and row of variables.toml of a scalar variable, by its name and the scene file alone."""
     plain = whole(name)
     owner, _, field = plain.partition(".")
     shapes = {body["name"]: body["shape"] for body in scene["body"]}
@@ -234,8 +234,8 @@ def scene_file(scene: str) -> dict:
 
 
 def written_out(scene: dict) -> dict:
-    """The scene with each body and contact that `count` or `ball[*]` stands for as a table of its own.
-    `block` of a table: the hundred in which its value references are."""
+    """Returns the scene with a table for each body and contact that `count` or `ball[*]` stands for. `block`
+    of a table is the hundred in which its value references are."""
     stride = max(len(scene["body"]), len(scene["contact"]))
     count = {body["name"].partition("[")[0]: body.get("count", 1) for body in scene["body"]}
     result = {**scene, "body": [], "contact": [], "start": {}, "pinned": {}}

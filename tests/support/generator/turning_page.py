@@ -4,7 +4,7 @@ from .generated import CATALOGUE, describe, scene_file
 
 
 def _allowed(scene, choice):
-    """The items that a choice of the pair may have, by the scene file: one if pinned, some or all."""
+    """Returns the items that a choice of the pair may have, by the scene file: one if pinned, some or all."""
     group = "body" if choice.startswith(("source", "destination")) else "contact"
     row = CATALOGUE["variable"][f"{group}.{choice.partition('.')[2]}"]
     items = scene_file(scene).get("pinned", {}).get(choice, list(CATALOGUE["type"][row["type"]]["items"]))

@@ -11,12 +11,12 @@ POWER = {"linear": 1.0, "hertz": 1.5}
 
 
 def velocities(balls: int, law: str, end: float) -> np.ndarray:
-    """Velocities of the balls at the time `end`, to 1e-11."""
+    """Returns velocities of the balls at the time `end`, to 1e-11."""
     return motion(balls, law, end)[balls:]
 
 
 def motion(balls: int, law: str, end: float, relative: float = 1e-13) -> np.ndarray:
-    """How far the balls have come by the time `end`, and their velocities"""
+    """Returns how far the balls have come by the time `end`, and their velocities."""
 
     def rates(_, y):
         place, velocity = y[:balls], y[balls:]

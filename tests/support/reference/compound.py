@@ -20,7 +20,7 @@ from support.reference.kept import kept
 
 
 def matrix(q):
-    """The rotation matrix of a quaternion w, x, y, z of any length"""
+    """Returns the rotation matrix of a quaternion w, x, y, z of any length."""
     w, x, y, z = q / np.sqrt(np.sum(q * q))
     return np.array(
         [
@@ -39,7 +39,7 @@ class Foot:
         self.p_n, self.p_nv, self.mu, self.v_0, self.normal = p_n, p_nv, mu, v_0, np.array(normal)
 
     def surface(self, place):
-        """The height of a sphere's centre above the surface, and the normal there"""
+        """Returns the height of a sphere's centre above the surface, and the normal there."""
         return self.normal @ place, self.normal
 
     def gap(self, k, x, rotation):
@@ -47,7 +47,7 @@ class Foot:
         return self.surface(x + rotation @ center)[0] - radius
 
     def contact(self, k, x, v, q, omega):
-        """Gap, force and torque about the centre of mass"""
+        """Returns gap, force and torque about the centre of mass."""
         radius, center = self.parts[k]
         rotation = matrix(q)
         height, n = self.surface(x + rotation @ center)
@@ -67,7 +67,7 @@ class Foot:
         return gap, total, np.cross(arm, total)
 
     def total(self, x, v, q, omega):
-        """Force and torque of all parts"""
+        """Returns force and torque of all parts."""
         all_of_them = [self.contact(k, x, v, q, omega)[1:] for k in range(len(self.parts))]
         return sum(force for force, _ in all_of_them), sum(torque for _, torque in all_of_them)
 
@@ -102,13 +102,13 @@ class FreeBody:
         return np.concatenate([v, self.gravity + force / self.mass, turned, spun])
 
     def run(self, y, end):
-        """The state at `end`"""
+        """Returns the state at `end`."""
         scene = [vars(self.foot), self.mass, self.inertia, self.gravity, y, end]
         return kept(scene, lambda: self.integrated(y, end))
 
     def integrated(self, y, end):
-        """The state at `end`, integrated from touch to touch, so that no step crosses a change of the law.
-        The dense output that finds a touch is coarser than a step: another one goes there, by Newton."""
+        """Returns the state at `end`. Steps go from touch to touch, so that none crosses a change of the law.
+        The dense output that finds a touch is coarser than a step, so that Newton's method ends there."""
 
         def gap_of(k):
             def gap(_t, y):

@@ -78,7 +78,7 @@ class HertzPair(NamedTuple):
         return LONG("0.4") * self.stiffness * depth * depth * np.sqrt(depth)
 
     def slope(self, state, branch):
-        """Positions of both bodies, their velocities, dissipated energy."""
+        """Returns positions of both bodies, their velocities, dissipated energy."""
         gap, rate, n = self.gap_and_rate(state)
         force = self.force(gap, rate, branch)
         spring = self.force(gap, LONG(0), SPRING)
@@ -106,9 +106,9 @@ class HertzPair(NamedTuple):
         return (-gap, law)
 
     def onset(self, state):
-        """The pair with the damping of a contact that begins: by the speed of the touch, that of motion and
-        stored energy, or, where that is slower, the fastest that the load alone presses a body at rest to
-        (v^2 = 6/5 a (a m/k)^(2/3))."""
+        """Returns the pair with the damping of a contact that begins. Its speed is that of the touch, or of
+        motion and stored energy, or, where that is slower, the fastest to which the load alone presses a body
+        at rest (v^2 = 6/5 a (a m/k)^(2/3))."""
         if self.damped is None:
             return self
         gap, rate, n = self.gap_and_rate(state)
@@ -125,7 +125,7 @@ class HertzPair(NamedTuple):
         return self._replace(chi=self.damped / np.sqrt(max(square, LONG("1.2") * load * depth)))
 
     def begins(self, state):
-        """The branch at the start, and the pair with its damping"""
+        """Returns the branch at the start, and the pair with its damping."""
         gap, rate, _ = self.gap_and_rate(state)
         if gap > 0 or (gap == 0 and rate >= 0):
             return self, APART
@@ -139,7 +139,7 @@ STILL = (0.0, 0.0, 0.0)
 
 
 def factors(values):
-    """Stiffness and damping as a scene gives them"""
+    """Returns stiffness and damping as a scene gives them."""
     kinds = ("hertz_stiffness", "hunt_crossley_factor")
     if values.get("contact.law") != "hertz":
         kinds = ("penalty_factor", "viscous_penalty_factor")
@@ -148,7 +148,7 @@ def factors(values):
 
 
 def pair_of(fmu, values, stiffness, damping, damped=None):
-    """The pair of a scene, with factors of its own, and its state at the start"""
+    """Returns the pair of a scene, with factors of its own, and its state at the start."""
     ball, other = LONG(values["source.radius"]), LONG(values.get("destination.radius", 0.0))
     inside = values.get("contact.location") == "inside"
     capped = values.get("destination.ends") == "capped"
@@ -187,7 +187,7 @@ def precise(pair):
 
 
 def step_of(pair, state, branch, h):
-    """The state after h, and the difference of the last two columns, relative."""
+    """Returns the state after h, and the difference of the last two columns, relative."""
     rows, counts = [], [2 * (k + 1) for k in range(COLUMNS)]
     start = pair.slope(state, branch)
     for k, count in enumerate(counts):
@@ -221,7 +221,7 @@ def after_event(pair, branch, which):
 
 
 def locate(pair, state, branch, h, which):
-    """The length of a step that ends at the event, by regula falsi (Illinois)."""
+    """Returns the length of a step that ends at the event, by regula falsi (Illinois)."""
     low, high = LONG(0), h
     at_low = margins(pair, state, branch)[which]
     at_low = at_low if at_low > 0 else LONG("1e-40")
@@ -259,7 +259,8 @@ def dips(pair, state, then, branch, h):
 
 
 def run(pair, state, end, first=None, tolerance=TOLERANCE):
-    """The state at `end` (positions, velocities, dissipated) and the events: (time, branch that begins)."""
+    """Returns the state at `end` (positions, velocities, dissipated) and events: (time, branch that
+    begins)."""
     pair = precise(pair)
     state = np.concatenate([np.array(state, LONG), [LONG(0)]])
     time, end, events = LONG(0), LONG(end), []
@@ -298,7 +299,7 @@ def run(pair, state, end, first=None, tolerance=TOLERANCE):
 
 
 def follow(fmu, values, end, tolerance="1e-14"):
-    """A scene with factors of its own from its start to `end`"""
+    """Moves a scene with factors of its own from its start to `end`."""
 
     def find():
         return run(*pair_of(fmu, values, *factors(values)), end, tolerance=LONG(tolerance))
@@ -316,7 +317,8 @@ def settle(pair, state, branch):
 
 
 def restitution_of(number, dashpot):
-    """e of Hunt and Crossley, y = chi v; of full damping in u exp(-u) = (1 + y) exp(-1 - y), u = 1 - e y."""
+    """Returns e of Hunt and Crossley by y = chi v, or of full damping by u exp(-u) = (1 + y) exp(-1 - y), u =
+    1 - e y."""
     y = mpmath.mpf(number)
     if dashpot == "approach_only":
         return float(mpmath.sqrt(2 * (y - mpmath.log(1 + y))) / y)

@@ -26,7 +26,7 @@ from support.reference.law import ReferenceContact, complete, start_motion
 
 
 def shifted(coefficients, time):
-    """The polynomial's coefficients about `time`, by Horner's scheme."""
+    """Returns the polynomial's coefficients about `time`, by Horner's scheme."""
     row = list(coefficients)
     for done in range(len(row) - 1):
         for i in range(len(row) - 2, done - 1, -1):
@@ -84,7 +84,7 @@ class Tape:
         return coefficients
 
     def state(self, value):
-        """A row that starts with its value and goes on by integration, see `integrate`."""
+        """Returns a row that starts with its value and goes on by integration, see `integrate`."""
         return [value]
 
     def integrate(self, state, rate):
@@ -158,7 +158,7 @@ def evaluate(row, step):
 
 @lru_cache
 def bernstein_matrix(degree, number):
-    """Row i: what turns the coefficients of t^k on [0, 1] into Bernstein coefficient i."""
+    """Returns the matrix whose row i turns the coefficients of t^k on [0, 1] into Bernstein coefficient i."""
     return [
         [number(math.comb(i, k)) / number(math.comb(degree, k)) for k in range(i + 1)]
         for i in range(degree + 1)
@@ -176,7 +176,7 @@ def split(points):
 
 
 def first_crossing(points, start, width, depth):
-    """First place in [start, start + width] where the polynomial goes below zero; None when it never does."""
+    """Returns the first place in [start, start + width] where the polynomial goes below zero, or None."""
     if all(p >= 0 for p in points):
         return None
     if points[0] < 0 or depth == 0:
@@ -209,7 +209,7 @@ def first_root(row, span, number, fresh=False):
 
 
 def highest(row, span, number, known):
-    """The larger of `known` and the largest value of the series on [0, span], to 14 digits: Bernstein
+    """Returns the larger of `known` and the largest value of the series on [0, span], to 14 digits. Bernstein
     coefficients bound it, and halves that cannot hold more than is known are left alone."""
     scaled, power = [], number(1)
     for coefficient in row:
@@ -260,7 +260,7 @@ class SpanMaker:
     """The part of Reference that makes its series, from its present position, velocity and regime."""
 
     def outer_rate(self, body):
-        """Row of accelerations without the contact, and the external force as polynomials of time from now"""
+        """Returns accelerations without the contact, and the external force, as polynomials of time."""
         kind = self.values[f"{body}.motion"]
         force = [[self.zero]] * 3
         if kind != "free":
@@ -487,8 +487,8 @@ class Reference(SpanMaker):
         self.surface = self.surface + self.sign * self.present()[0]
 
     def closes_from_rest(self):
-        """Whether bodies that just touch, at rest, are about to overlap: by the first power of the time in
-        which the gap of a flight changes."""
+        """Returns whether bodies that just touch, at rest, are about to overlap, by the first power of time
+        that changes the gap of a flight."""
         self.touching = False
         row = next(row for name, row in self.span(FLIGHT).conditions if name == "gap")
         noise = max(map(abs, row)) * self.number(10) ** (-13)
@@ -502,7 +502,7 @@ class Reference(SpanMaker):
         self.begin_law()
 
     def begin_law(self):
-        """The branch of the law by the gap and its rate of now."""
+        """Returns the branch of the law by the gap and its rate of now."""
         gap, rate, _, _ = self.present()
         formula = -self.penalty * (self.zero if self.on_root == "gap" else gap) - self.viscous * rate
         self.law_regime = FULL
@@ -513,7 +513,7 @@ class Reference(SpanMaker):
             self.law_regime = CLIPPED
 
     def sure_events(self):
-        """How many events there are in any case; two at the same instant may count as one."""
+        """Returns how many events there are at least. Two at one instant may count as one."""
         slight = set(self.slight)
         if self.happened & {"rate"} and self.clearest < SLIGHT:
             slight.add(len(self.event_times) - 1)
@@ -564,7 +564,7 @@ class Reference(SpanMaker):
     # Running.
 
     def step_limit(self, span):
-        """How far the contact's series have converged to the digits of the number type."""
+        """Returns how far the contact's series have converged to the digits of the number type."""
         exponent = -17 if self.number is float else -37
         limit = None
         for row in span.resolved:
@@ -633,7 +633,7 @@ class TunedMotion(Reference):
         super().__init__({**start, "contact.location": "outside", **values}, "sphere")
 
     def energies(self):
-        """Potential and stored energy"""
+        """Returns potential and stored energy."""
         gravity = self.vector("gravity")
         height = sum(g * x for g, x in zip(gravity, self.position["source"], strict=True))
         return self.stored_energy() - height

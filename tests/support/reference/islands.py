@@ -56,12 +56,12 @@ class Islands:
         )
 
     def parts(self, y):
-        """Places, velocities, spins, springs"""
+        """Returns places, velocities, spins, springs."""
         n = 3 * len(self.radius)
         return (part.reshape(-1, 3) for part in (y[:n], y[n : 2 * n], y[2 * n : 3 * n], y[3 * n :]))
 
     def geometry(self, y):
-        """Gaps, their rates, the normals from the sources, and how they turn"""
+        """Returns gaps, their rates, the normals from the sources, and how they turn."""
         x, v, _, _ = self.parts(y)
         apart = np.where(self.flat, self.places, x[self.ball]) - x[self.i]
         moving = np.where(self.flat, 0.0, v[self.ball]) - v[self.i]
@@ -144,7 +144,7 @@ class Islands:
         return regimes
 
     def change(self, y, regimes, kind, contact):
-        """The regimes after an event"""
+        """Returns the regimes after an event."""
         normal = regimes.normal[contact]
         if kind == STICK:
             regimes.sticks[contact] = not regimes.sticks[contact]
@@ -162,7 +162,8 @@ class Islands:
             list(self.parts(y))[3][contact] = 0.0
 
     def run(self, end, tolerance, longest=LONGEST):
-        """Places, velocities and spins at the end, and how often bodies began to touch; `longest`: a step"""
+        """Returns places, velocities and spins at the end, and the number of onsets. `longest` limits a
+        step."""
         time, y, onsets = 0.0, self.start.copy(), 0
         regimes = self.first_regimes(y)
         while time < end:

@@ -26,7 +26,7 @@ def stored():
 
 
 def kept(scene, find):
-    """What `find` returns: numbers, texts, and arrays, lists and dicts of them; `scene` is all it knows."""
+    """Returns what `find` returns: numbers, texts, arrays, lists and dicts. `scene` is all it knows."""
     key = sha256(json.dumps(scene, default=plain, sort_keys=True).encode()).hexdigest()[:20]
     before = stored().get(key)
     if key not in made and (before is None or key.startswith("0")):

@@ -32,7 +32,7 @@ START_VALUES = {
 
 
 def complete(configuration):
-    """The configuration with DESIGN's start values for all that it leaves out; no name may be unknown."""
+    """Returns the configuration with DESIGN's start values for missing names. Unknown names are refused."""
     return {**START_VALUES, **{k: v for k, v in configuration.items() if not k.startswith("solver.")}}
 
 
@@ -69,7 +69,7 @@ class Motion:
 
 
 def start_motion(configuration):
-    """Displacements and velocities at the end of initialization, by each body's kind of motion."""
+    """Returns displacements and velocities at the end of initialization, by each body's kind of motion."""
     values = {}
     for body in ("source", "destination"):
         prefix = {"free": "initial", "prescribed": "prescribed"}.get(configuration[f"{body}.motion"])
@@ -138,7 +138,7 @@ class ReferenceContact:
         return norm(np.maximum(self.source_radius, apart + reach) - lowest)
 
     def factors(self):
-        """p_n and p_nv in force; p_n is 0 for viscous only, p_nv is 0 for the method without a dashpot."""
+        """Returns p_n and p_nv in force. p_n is 0 for viscous only, p_nv is 0 without a dashpot."""
         values = self.values
         modulus_length = REAL(values["contact.reference_modulus"]) * self.diagonal
         control = values["contact.penalty_control"]
@@ -180,7 +180,7 @@ class ReferenceContact:
         return REAL(float(rising_root(missing, 0, mpmath.exp(wanted)))) if wanted else REAL(0)
 
     def normal_force(self, gap, gap_rate):
-        """F_n of the laws and dashpots of DESIGN section 1."""
+        """Returns F_n of the laws and dashpots of DESIGN section 1."""
         if not gap < 0:
             return REAL(0)
         dashpot = self.values["contact.dashpot"]

@@ -32,7 +32,7 @@ NUDGED += ["source.external_force", "destination.external_force"]
 
 
 def outcome(reference):
-    """What is compared, as floats; displacement and velocity of both bodies one after the other"""
+    """Returns the compared numbers as floats: displacement and velocity of one body, then of the other."""
     lasting = reference.touching and reference.within
     ended = reference.durations[-1] if reference.durations else 0
     duration = reference.time - reference.onset_times[-1] if lasting else ended
@@ -51,7 +51,7 @@ def outcome(reference):
 
 
 def nudged(values, random):
-    """Every number a little off, and the source by as much of the distance between the bodies"""
+    """Moves every number a little, and the source by as much of the distance between the bodies."""
     result = dict(values)
     for name in NUDGED:
         if name in values:
@@ -70,7 +70,7 @@ def distance(first, second):
 
 
 def made(row):
-    """The row with what follows from its scene, of which a row has all or some"""
+    """Returns the row, which has all or some of them, with the figures that follow from its scene."""
     values, shape, end = row["values"], row["shape"], row["end"]
     exact = Reference(values, shape, number=Decimal, order=ORDER).run(end)
     result = outcome(exact)

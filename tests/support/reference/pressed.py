@@ -18,8 +18,8 @@ def unit(a) -> np.ndarray:
 
 
 def pressed(one, depth, velocity, push, slip) -> np.ndarray:
-    """Force on the source, which the destination pushes along `push`; `velocity` is the source's as the
-    destination sees it, `slip` that of its surface. Linear law, regularized friction."""
+    """Returns the force on the source, pushed along `push`, with a linear law and regularized friction. The
+    destination sees the source's `velocity` and its surface's `slip`."""
     normal = max(one.stiffness * depth - one.damping * velocity @ push, 0.0)
     slip = slip - (slip @ push) * push
     speed = np.linalg.norm(slip)
@@ -42,7 +42,7 @@ def state_of(fmu, axes) -> np.ndarray:
 
 
 def ended(one, rates, y, events, **options) -> np.ndarray:
-    """The state of a scene at its end, by Dormand and Prince's method, begun anew at every event"""
+    """Returns the state of a scene at its end, by Dormand and Prince's method, begun anew at every event."""
 
     def find():
         time, now = 0.0, y

@@ -38,7 +38,7 @@ class RimMotion(NamedTuple):
         return 1.5 * self.stiffness * sqrt(-gap) if self.hertz else self.stiffness
 
     def turning(self, gap, rate, tilt, tilt_rate, azimuth, azimuth_rate):
-        """x'' without the contact, t'', p''"""
+        """Returns x'' without the contact, t'', p''."""
         c, s, r = cos(tilt), sin(tilt), self.radius + gap
         w = self.other_radius + r * c
         gx, gy, gz = self.gravity
@@ -50,7 +50,7 @@ class RimMotion(NamedTuple):
         return push, tilting, turning
 
     def state(self, gap, rate, tilt, tilt_rate, azimuth, azimuth_rate):
-        """Position and velocity in space"""
+        """Returns position and velocity in space."""
         r = self.radius + gap
         w = self.other_radius + r * cos(tilt)
         outward = np.array([cos(azimuth), sin(azimuth), 0.0])

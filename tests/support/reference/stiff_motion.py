@@ -105,7 +105,7 @@ class StiffContact:
         return (self.reach + final + swing) * last, min(self.side * np.array(inwards)), late
 
     def oscillation(self, shift, rate, end):
-        """The free oscillation s'' + 2 zeta w s' + w^2 s = 0 from s = shift, s' = rate"""
+        """Returns the free oscillation s'' + 2 zeta w s' + w^2 s = 0 from s = shift, s' = rate."""
         w, zeta = self.angular, self.share
         damped = w * np.sqrt(1 - zeta**2)
         first = (rate + zeta * w * shift) / damped
@@ -154,7 +154,7 @@ MASS, GRAVITY, RADIUS, SPEED, ANGLE = 0.1, 9.81, 0.45, 0.1, pi / 3
 
 
 def turning(r, s_rate, a, a_rate, b, b_rate):
-    """a'', b''"""
+    """Returns a'', b''."""
     a_second = -2 * s_rate * a_rate / r + 2 * tan(b) * b_rate * a_rate - GRAVITY * sin(a) / (r * cos(b))
     b_second = -2 * s_rate * b_rate / r - sin(b) * cos(b) * a_rate**2 - GRAVITY * sin(b) * cos(a) / r
     return a_second, b_second

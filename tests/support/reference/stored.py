@@ -13,7 +13,7 @@ FOLDER = Path(__file__).parent
 
 @cache
 def stored(name):
-    """The rows of <name>_references.json: name, shape, values, end, and what make_references.py found"""
+    """Returns the rows of <name>_references.json: name, shape, values, end, and figures found."""
     return json.loads((FOLDER / f"{name}_references.json").read_text(encoding="utf-8"))
 
 
@@ -22,7 +22,7 @@ def both_bodies(fmu, name):
 
 
 def measured(fmu, name):
-    """An outcome of make_references.py, read from an FMU at the end of its run"""
+    """Returns an outcome of make_references.py, read from an FMU at the end of its run."""
     if name in ("displacement", "velocity"):
         return both_bodies(fmu, name)
     return fmu[name]
@@ -33,9 +33,9 @@ UNWEIGHED = {"impulse", "contact.last_duration"}
 
 
 def errors_beyond(fmu, row, tolerance, factor):
-    """What differs from the reference by more than factor * tolerance: displacements relative to the larger
-    of 1 m and their size, everything else as far as a nudge of what is given, by as much, would move it too.
-    """
+    """Returns what differs from the reference by more than factor * tolerance. Displacements count relative
+    to the larger of 1 m and their size, everything else as far as a nudge of the given numbers by as much
+    would move it."""
     wrong = []
     for name, condition in row["condition"].items():
         if name in UNWEIGHED:

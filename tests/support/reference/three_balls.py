@@ -27,7 +27,7 @@ class Case(NamedTuple):
 
 @cache
 def reference(name):
-    """Places of the balls at the end, a row for each"""
+    """Returns places of the balls at the end, a row for each."""
     case = (CASES | BRIEF)[name]
     given = zip(case.radii, case.masses, case.places, case.velocities, strict=True)
     free = {"motion": "free", "rotation": "none", "spin": REST, "force": REST}

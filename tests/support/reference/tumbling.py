@@ -65,7 +65,7 @@ class TumblingPair:
         return self.c + t * (self.w + 0.5 * t * self.pull)
 
     def heights(self, times):
-        """How far from contact: the larger of gap and way beyond the ends."""
+        """Returns the distances from contact: the larger of the gap and the way beyond the ends."""
         c, e = self.separations_at(times), self.axes_at(times)
         along = np.einsum("ij,ij->i", c, e)
         radial = np.linalg.norm(c - along[:, None] * e, axis=1) - self.r_d
@@ -76,7 +76,7 @@ class TumblingPair:
         return np.where(beyond_both, np.hypot(radial, axial), np.maximum(radial, axial)) - self.r_s
 
     def fastest(self, lows, width):
-        """Bounds of the speed of the separation in the axis' frame, over intervals."""
+        """Returns bounds of the speed of the separation in the axis' frame, over intervals."""
         middle = lows + 0.5 * width
         rates = np.linalg.norm(self.w + middle[:, None] * self.pull, axis=1)
         speed = rates + 0.5 * width * np.linalg.norm(self.pull)
@@ -84,7 +84,7 @@ class TumblingPair:
         return speed + np.linalg.norm(self.momentum) * far
 
     def first_touch(self, horizon, start):
-        """Time from now to the first touch after `start`, inf if there is none."""
+        """Returns the time from now to the first touch after `start`, inf if there is none."""
         width = (horizon - start) / 4096
         lows = start + width * np.arange(4096)
         while len(lows):
@@ -109,7 +109,7 @@ class TumblingPair:
         self.time += time
 
     def _nearest(self, c, e):
-        """Distance of the ball's centre from the surface, and the direction there."""
+        """Returns the distance of the ball's centre from the surface, and the direction there."""
         along = c @ e
         across = c - along * e
         distance = np.linalg.norm(across)
@@ -151,7 +151,7 @@ class TumblingPair:
         self.time += done.t[-1]
 
     def run(self, end, most=100):
-        """Onset times until `end`."""
+        """Returns onset times until `end`."""
         while self.time < end and len(self.onsets) < most:
             touch = self.first_touch(end - self.time, JUST_PARTED if self.onsets else 0.0)
             if not touch < end - self.time:
@@ -211,7 +211,7 @@ def first_onset(fmu, values, expected, method):
 
 
 def failures(fmu, seed, method="event_driven", ends="open"):
-    """Lines on what is wrong, and how far off the first touch was [s]."""
+    """Returns lines on what is wrong, and how far off the first touch was [s]."""
     values = random_tumbling_scene(seed, ends)
     onsets = TumblingPair(values).run(END)
     try:

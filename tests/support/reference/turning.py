@@ -48,7 +48,7 @@ def unit(a):
 
 
 def first_orientation(axis):
-    """The smallest rotation that takes e_z to the axis; about x where it is -e_z."""
+    """Returns the smallest rotation that takes e_z to the axis, about x where the axis is -e_z."""
     w = 1 + axis[2]
     if w.real < 1e-15:
         return [0.0, 1.0, 0.0, 0.0]
@@ -57,7 +57,7 @@ def first_orientation(axis):
 
 
 def turned_axis(q):
-    """Third column of the rotation matrix of q, which need not be of unit length."""
+    """Returns the third column of the rotation matrix of q, which need not be of unit length."""
     w, x, y, z = q
     size = w * w + x * x + y * y + z * z
     return [2 * (x * z + w * y) / size, 2 * (y * z - w * x) / size, (w * w - x * x - y * y + z * z) / size]
@@ -125,7 +125,7 @@ class TurningPair:
         return self.values.get(name, START.get(name, otherwise))
 
     def _body(self, name):
-        """Mass and moments of inertia; None where the body does not move or turn freely."""
+        """Returns mass and moments of inertia, or None where the body does not move or turn freely."""
         values = self.values
         free = self.of(f"{name}.motion") == "free"
         rotation = values.get(f"{name}.rotation", "none")
@@ -214,7 +214,7 @@ class TurningPair:
         return SimpleNamespace(x=y[at : at + 3], v=y[at + 3 : at + 6], q=q, omega=omega, axis=axis)
 
     def geometry(self, y):
-        """Gap, its rate, the direction n from the source, its rate, and how far along the axis."""
+        """Returns gap, its rate, the direction n from the source, its rate, and how far along the axis."""
         src, dst = self.body_at(y, 0), self.body_at(y, 1)
         c, w = minus(dst.x, src.x), minus(dst.v, src.v)
         w = minus(w, cross(dst.omega, c))  # as seen from the destination, which turns
@@ -253,7 +253,7 @@ class TurningPair:
         return 0.4 * self.stiffness * depth**2.5 if self.hertz else 0.5 * self.stiffness * depth**2
 
     def limit(self, one, force, static=False):
-        """The largest force, or torque, by the law `one` of self.opposed."""
+        """Returns the largest force, or torque, by the law `one` of self.opposed."""
         limit = (one.mu_static if static else one.mu) * force
         return 0.0 if limit.real < 0.0 else one.largest if limit.real > one.largest else limit
 
@@ -266,7 +266,7 @@ class TurningPair:
         return minus(v, times(dot(v, place.n), place.n)), arm, other
 
     def stiffness_of(self, one, gap):
-        """Stiffness of a spring: given, or in proportion to dF_n/d delta of Hertz's spring."""
+        """Returns the stiffness of a spring: given, or in proportion to dF_n/d delta of Hertz's spring."""
         if not one.follows:
             return one.k
         # The stiffness goes with the root of the depth, which is so steep near the release that integrating
@@ -276,11 +276,11 @@ class TurningPair:
         return self.of("contact.tangential_ratio") * 1.5 * self.stiffness * depth**0.5
 
     def held(self, kind, place, spring):
-        """The energy in a spring."""
+        """Returns the energy in a spring."""
         return 0.5 * self.stiffness_of(self.opposed[kind], place.gap) * dot(spring, spring)
 
     def motions(self, place):
-        """The opposed motions by their kinds."""
+        """Returns the opposed motions by their kinds."""
         spin = minus(place.src.omega, place.dst.omega)
         along = dot(spin, place.n)
         rolling = minus(spin, times(along, place.n))
@@ -290,7 +290,7 @@ class TurningPair:
         return [kind for kind in KINDS if self.opposed[kind].law == "elastic"]
 
     def trial(self, one, place, motion, spring):
-        """F* of the elastic law: what the spring and the dashpot would pull with."""
+        """Returns F* of the elastic law: what the spring and the dashpot would pull with."""
         return add(times(self.stiffness_of(one, place.gap), spring), times(one.c, motion))
 
 
@@ -303,7 +303,7 @@ SHORT = 1e-9  # m or rad; below, its direction follows that of the slip within a
 
 
 def along_spring(spring, slip, rate):
-    """Unit vector of the spring; that of the slip, at `rate`, while bodies approach and it is too short"""
+    """Returns the unit vector of the spring, or of the slip at `rate` while the spring is too short."""
     size = norm(spring)
     if size > (SHORT if rate < 0 else 0.0):
         return times(1 / size, spring)
@@ -312,8 +312,8 @@ def along_spring(spring, slip, rate):
 
 
 def friction_of(pair, one, place, force, motion, spring, sticking):
-    """Force or torque that opposes a motion by the law `one`, and the rate of the spring before it is turned
-    with the normal; None where the spring is at its limit and its rate follows from the limit's."""
+    """Returns the force or torque that opposes a motion by the law `one`, and the rate of the spring before
+    it is turned with the normal: None where the spring is at its limit, whose rate then is the spring's."""
     if one.law == "none":
         return list(ZERO), list(ZERO)
     if one.law == "regularized":
@@ -335,7 +335,7 @@ def friction_of(pair, one, place, force, motion, spring, sticking):
 
 
 def forces(pair, y, touching, sticking):
-    """Everything that acts at one instant."""
+    """Returns everything that acts at one instant."""
     place = pair.geometry(y)
     now = SimpleNamespace(place=place, force=0.0, friction=list(ZERO), spring_rate={}, slip=list(ZERO))
     now.on_source = now.source_torque = now.destination_torque = now.resistance = list(ZERO)
@@ -410,7 +410,7 @@ def rates(pair, y, touching, sticking):
 
 
 def longest_rate(pair, one, y, out):
-    """Rate of L / k along the motion `out`, by the imaginary part."""
+    """Returns the rate of L / k along the motion `out`, by the imaginary part."""
     moved = [complex(a, TINY * b) for a, b in zip(y[:SPRING], out[:SPRING], strict=True)]
     place = pair.geometry(moved)
     force = pair.normal_force(place.gap, place.rate)
@@ -430,7 +430,7 @@ def growth_of_limit(pair, one, y):
 
 
 def at_limit(pair, kind, y, now, out):
-    """Rate of a spring without dashpot that slides at its limit, and how fast the contact slides along it."""
+    """Returns the rate of a spring without dashpot at its limit, and how fast the contact slides along it."""
     one, spring, motion = pair.opposed[kind], y[SPRINGS[kind]], now.motion[kind]
     unit = along_spring(spring, motion, now.place.rate)
     grows = longest_rate(pair, one, y, out)
@@ -456,7 +456,7 @@ def sliding_rate(pair, kind, y, sticking):
 
 
 def outputs(pair, m):
-    """Name of an output without `contact.` -> its value in the motion m: {name: vector}, both bodies led"""
+    """Returns {name of an output without `contact.`: vector} in the motion m. Both bodies are led."""
     y = []
     for body in BODIES:
         has_axis = body == "destination" and pair.shape != "sphere"
@@ -488,7 +488,7 @@ FALLS, RISES, BOTH = -1, 1, 0
 
 
 def crossing(function, times_, of, direction):
-    """First time at which the function passes zero in the direction, or None."""
+    """Returns the first time at which the function passes zero in the direction, or None."""
     if direction == BOTH:
         found = [crossing(function, times_, of, one) for one in (FALLS, RISES)]
         return min((t for t in found if t is not None), default=None)
@@ -503,7 +503,7 @@ def crossing(function, times_, of, direction):
 
 
 def extreme(function, times_, of, i, direction):
-    """A time between samples i and i + 1 past the crossing, of a function that is back at the next sample."""
+    """Returns a time between samples i and i + 1 past the crossing of a function that returns at i + 1."""
     around = [direction * of[j] for j in range(max(i - 1, 0), min(i + 3, len(of)))]
     if (
         max(direction * of[i], direction * of[i + 1]) >= 0
@@ -690,7 +690,7 @@ class TurningRun:
         )  # fmt: skip
 
     def _after(self, length):
-        """The state `length` later."""
+        """Returns the state after a time `length`."""
         if self.time + length <= self.time:
             return self.y
         end = self.time + length
@@ -793,7 +793,7 @@ class TurningRun:
         return values
 
     def now(self):
-        """Forces and torques at this instant."""
+        """Returns forces and torques at this instant."""
         return forces(self.pair, list(self.y), self.touching, self.sticking)
 
     def figures(self):
@@ -819,7 +819,7 @@ class TurningRun:
 
 
 def follow(values, shape, end):
-    """The figures of a run at its end, and the names of its events"""
+    """Returns the figures of a run at its end, and the names of its events."""
 
     def find():
         run = TurningRun(values, shape).run(end)

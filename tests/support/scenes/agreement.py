@@ -63,7 +63,7 @@ def pick(random, *choices):
 
 
 def answer(fmu, scene, tolerance, steps, readings, method="event_driven"):
-    """What the run says at its end; sums and maxima too where there were readings or one step."""
+    """Returns the figures at the run's end, with sums and maxima where there were readings or one step."""
     if "solver.method" not in fmu:  # a force element
         tolerance, method = None, None
     start(fmu, scene.values, tolerance, method)
@@ -93,7 +93,7 @@ def _scale(scene, name, right):
 
 
 def disagreements(opened, scene, random, runs=5):
-    """Lines about what differs, and the worst ratio of a difference to what is allowed."""
+    """Returns lines about what differs, and the worst ratio of a difference to what is allowed."""
     fmu = opened(scene.fmu)
     right = answer(fmu, scene, TIGHTEST, 1, readings=True)
     lines, worst = [], 0.0

@@ -30,7 +30,7 @@ def random_separation(random, values, shape, inside):
 
 
 def random_configuration(random, shape, scale=1.0, offset=0.0):
-    """Every choice at random; lengths of about `scale`, both centres moved by about `offset`."""
+    """Makes every choice at random, with lengths of about `scale` and centres moved by about `offset`."""
     radii = scale * 10 ** random.uniform(-1.5, 0.5, size=2)
     location = str(random.choice(["automatic", "outside", "inside"]))
     inside = location == "inside" or (location == "automatic" and random.random() < 0.5)
@@ -73,7 +73,7 @@ def random_configuration(random, shape, scale=1.0, offset=0.0):
 
 
 def random_inputs(random, values, shape, inside, scale):
-    """Displacements and velocities that put the bodies to a random separation, given their centres."""
+    """Returns displacements and velocities that put the bodies to a random separation."""
     wanted = random_separation(random, values, shape, inside)
     apart = np.subtract(values["destination.center"], values["source.center"])
     source = scale * random.normal(size=3)

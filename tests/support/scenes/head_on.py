@@ -50,7 +50,7 @@ def of_size(shape, location, radius, gap, speed):
 
 
 def shared_out(values, source, destination, m_s, m_d):
-    """Motions and masses; the pair closes at one speed whoever moves. Of two free bodies the centre rests."""
+    """Returns motions and masses. The pair closes at one speed whoever moves."""
     share = m_d / (m_s + m_d) if source == destination == "free" else float(source == "free")
     speed = np.array(values["source.initial_velocity"])
     return values | {
@@ -67,7 +67,7 @@ def speed_after(fmu, location):
 
 
 def approach(location):
-    """Unit vector of the source's velocity before the contact."""
+    """Returns the unit vector of the source's velocity before the contact."""
     return ACROSS if location == "inside" else -ACROSS
 
 
@@ -98,7 +98,7 @@ def oscillator(dashpot, mass, stiffness, damping, speed=SPEED):
 
 
 def passing(shape, miss, speed=3.0):
-    """A straight pass, without gravity, whose least distance beyond touch is `miss` (negative: overlap)."""
+    """The source passes straight, without gravity, and misses a touch by `miss` (negative: overlap)."""
     values = head_on(shape, "outside")
     across = np.cross(AXIS, ACROSS)
     along = 0.3 * AXIS if shape == "cylinder" else 0.0

@@ -16,7 +16,7 @@ TURNS = (15.0, 60.0, 200.0)  # radians of the contact's oscillation in a scene, 
 
 
 def by_hertz(stiffness, chi):
-    """Factors of a scene with Hertz's law"""
+    """Returns the factors of a scene with Hertz's law."""
     values = {"contact.law": "hertz", "contact.method": "penalty_dynamic"}
     values |= {"contact.hertz_stiffness": stiffness, "contact.viscous_control": "user_defined"}
     values |= {"contact.hunt_crossley_factor": chi}
@@ -24,7 +24,7 @@ def by_hertz(stiffness, chi):
 
 
 def law(draw, seed, mass, speed):
-    """The law's choices; the factors such that an impact is some millimetres to a micrometre deep."""
+    """Returns the law's choices, with factors that make an impact a micrometre to some millimetres deep."""
     deepest = 10.0 ** draw.uniform(-5.5, -2.5)
     which = "linear" if seed % 4 == 0 else "hertz"  # the linear law has families of its own
     power = 2.0 if which == "linear" else 2.5
@@ -46,7 +46,7 @@ def law(draw, seed, mass, speed):
 
 
 def place(draw, geometry):
-    """Radii, the outward normal of the destination, its axis, and the distance of the centres at the touch"""
+    """Returns radii, the destination's outward normal, its axis, and the centres' distance at the touch."""
     radius, other = draw.uniform(0.05, 0.2), draw.uniform(0.4, 0.8)
     shape, _, side = geometry.partition(" ")
     axis = unit_vector(draw) if shape == "cylinder" else None
@@ -118,7 +118,7 @@ def hunt_crossley(values):
 
 
 def factors(fmu, values):
-    """Stiffness, damping factor, and chi v where that follows from the restitution"""
+    """Returns stiffness, damping factor, and chi v where that follows from the restitution."""
     shape = next(name for name, known in FMU.items() if known == fmu)
     elastic = values["contact.method"] == "penalty"
     restitution = values["contact.viscous_control"] == "restitution"

@@ -77,7 +77,7 @@ def random_scene(shape, kind, seed):
 
 
 def particulars(kind, random, values, outward, side, axis):
-    """What makes the kind of scene what it is."""
+    """Returns what makes the kind of scene what it is."""
     if kind == "both free":
         return {
             "destination.motion": "free", "destination.mass": random.uniform(0.5, 5),
@@ -122,7 +122,7 @@ def particulars(kind, random, values, outward, side, axis):
 
 
 def side_offset(values, axis):
-    """Part across the axis of where the source stands seen from the destination."""
+    """Returns the part across the axis of the source's place as seen from the destination."""
     away = np.subtract(values["source.center"], values["destination.center"])
     return away - np.dot(away, axis) * axis
 
@@ -141,7 +141,7 @@ def even(end, steps):
 
 
 def uneven(end, random):
-    """One to four communication points, the last one `end`."""
+    """Returns one to four communication points, the last one `end`."""
     inner = random.uniform(0.05, 0.95, random.integers(4)) * end
     return (*sorted(float(t) for t in inner), end)
 
@@ -169,7 +169,7 @@ def pair(random, shape, inside, gap, **more):
 
 
 def factors(stiffness, ratio, mass):
-    """p_n, and p_nv at `ratio` of critical damping."""
+    """Returns p_n, and p_nv at `ratio` of critical damping."""
     return {
         "contact.penalty_factor": stiffness,
         "contact.viscous_penalty_factor": 2 * ratio * math.sqrt(stiffness * mass),
@@ -193,7 +193,7 @@ def rates(stiffness, ratio, mass):
 
 
 def touching_values(one):
-    """Start values of a scene's own description: centre, speed, law and friction of its pair."""
+    """Returns start values of a scene's own description: centre, speed, law and friction of its pair."""
     values = {"source.center": one.place, "source.initial_velocity": one.velocity}
     values |= {"destination.center": NOTHING, "destination.motion": "free" if one.both else "fixed"}
     values |= {"contact.location": "inside" if one.inside else "outside"}

@@ -72,7 +72,7 @@ def rows_of(fmu):
 
 
 def run(fmu, outputs, values, end, steps, method):
-    """All outputs after each step; what a refusal says ends the list"""
+    """Returns all outputs after each step. The text of a refusal ends the list."""
     start(fmu, values, 1e-9, method)
     told = []
     for k in range(steps):

@@ -35,7 +35,7 @@ class Run:
 
 
 def failures(fmu, values, stops, method, expected, leaves_open=frozenset()):
-    """A line for each figure that is off, or for the refusal of the run; `fmu` is left at its end."""
+    """Returns a line for each figure that is off, or for the refusal of the run. `fmu` is left at its end."""
     try:
         run = Run(fmu, values, stops, method)
     except FmuError as error:

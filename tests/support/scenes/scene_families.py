@@ -55,7 +55,7 @@ def round_vector(random, items):
 
 
 def round_numbers(random, shape):
-    """Everything as a person would type it, so that many things happen at once or not at all."""
+    """Everything is as a person would type it, so that many things happen at once or not at all."""
     inside = bool(random.integers(2))
     values = {
         "source.center": round_vector(random, ROUND_PLACES),
@@ -91,7 +91,7 @@ def round_numbers(random, shape):
 
 
 def through_the_centre(random, shape):
-    """A free ball exactly through the axis of a solid cylinder that stands askew, or through a ball."""
+    """A free ball goes exactly through the axis of a solid cylinder that stands askew, or through a ball."""
     axis = np.array(parts.chosen(random, ROUND_AXES))
     across = np.zeros(3, int)
     while not across.any():
@@ -150,7 +150,7 @@ def unequal_masses(random, shape):
 
 
 def beside_an_event(random, shape):
-    """A scene of random_scenes.py with a communication point at an event, or a few roundings beside it."""
+    """A scene of random_scenes.py has a communication point at an event, or a few roundings beside it."""
     kind = parts.chosen(random, parts.KINDS[shape])
     values, end = parts.random_scene(shape, kind, int(random.integers(1, 2**31)))
     times = [t for t in Reference(values, shape).run(end).event_times if 0 < t < end]
@@ -172,7 +172,7 @@ def beside_an_event(random, shape):
 
 
 def from_zero(random, shape):
-    """A load or a given motion that begins at zero, as a ramp or a parabola; at least critical damping"""
+    """A load or a given motion begins at zero, as a ramp or a parabola. Damping is critical or more."""
     inside = bool(random.integers(2))
     gap = float(parts.chosen(random, [0.0, -0.004, -0.01]) if random.random() < 0.7 else 1e-3)
     values, outward = parts.pair(random, shape, inside, gap)
@@ -197,7 +197,7 @@ def from_zero(random, shape):
 
 
 def contradictory(random, shape):
-    """A prescribed displacement whose derivatives are not the prescribed velocity."""
+    """The derivatives of a prescribed displacement are not the prescribed velocity."""
     inside = bool(random.integers(2))
     values, outward = parts.pair(random, shape, inside, random.uniform(-0.01, 0.05))
     towards = outward if inside else -outward
@@ -226,7 +226,7 @@ def contradictory(random, shape):
 
 
 def approach_only(random, shape):
-    """A lasting contact whose dashpot acts on approach only, at and beyond critical damping."""
+    """A contact lasts whose dashpot acts on approach only, at and beyond critical damping."""
     inside = random.random() < 0.7
     values, outward = parts.pair(random, shape, inside, -1e-6 if inside else 0.0)
     towards = outward if inside else -outward
@@ -245,7 +245,7 @@ def approach_only(random, shape):
 
 
 def dying_away(random, shape):
-    """An unloaded contact beyond critical damping with an unclamped dashpot: it never parts."""
+    """An unloaded contact beyond critical damping with an unclamped dashpot never parts."""
     inside = bool(random.integers(2))
     stiffness, ratio = 10 ** random.uniform(4, 7), 1 + 10 ** random.uniform(-2, 0.7)
     values, _ = parts.pair(random, shape, inside, 0.0)
@@ -339,7 +339,7 @@ FAMILIES |= {"swinging out": swinging_out}
 
 
 def drawn(family, seed):
-    """The scene of a family with this seed. Where round numbers leave no right answer it is drawn again."""
+    """Returns the scene of a family with this seed, drawn again where round numbers leave no right answer."""
     for attempt in itertools.count():
         random = np.random.default_rng([seed, list(FAMILIES).index(family), attempt])
         shape = ("sphere", "cylinder")[random.integers(2)]
@@ -368,7 +368,7 @@ def exact_cross(a, b):
 
 
 def across_axis(row, axis):
-    """The part across the axis times its length squared; the row itself without an axis."""
+    """Returns the part across the axis times its length squared, or the row itself without an axis."""
     row = typed(row)
     if axis is None:
         return row
@@ -378,7 +378,7 @@ def across_axis(row, axis):
 
 
 def moves_straight(scene):
-    """Whether place, speeds and accelerations are on one line through the centre, in the numbers as typed."""
+    """Returns whether place, speeds and accelerations are, as typed, on one line through the centre."""
     values = complete(scene.values)
     axis = values["destination.axis"] if scene.shape == "cylinder" else None
     centers = (typed(values[f"{body}.center"]) for body in ("source", "destination"))
@@ -395,7 +395,7 @@ def moves_straight(scene):
 
 
 def well_posed(scene):
-    """Whether the motion has one right course: it does not start in the centre of a solid body, and a
+    """Returns whether the motion has one right course: it does not start in the centre of a solid body, and a
     surface moved by 1e-9 m moves the end by no more than 1e-6."""
     ends = []
     try:
@@ -427,7 +427,7 @@ class Bounded(Reference):
 
 
 def expected(scene, number=float, order=24):
-    """The reference at the scene's end, its peaks those of the last communication step."""
+    """Returns the reference at the scene's end, with the peaks of the last communication step."""
     reference = Bounded(scene.values, scene.shape, number, order, straight=scene.straight)
     reference.window = number([0.0, *scene.stops][-2])
     reference.run(min(scene.end, scene.settled))

@@ -31,7 +31,7 @@ class Scene(NamedTuple):
 
 
 def build(shape, location, law, dashpot, motion, seed):
-    """A ball thrown against another body, 0.03 m off, without gravity or nearly; the rest from the seed."""
+    """A ball is thrown against another body, 0.03 m off, with little gravity. The seed gives the rest."""
     random = np.random.default_rng(seed)
     inside = location == "inside"
     values, outward = pair(random, shape, inside, 0.03)

@@ -29,7 +29,7 @@ def rubbing(v_0, mu, **more):
 
 
 def ball(stiffness, **more):
-    """A free ball of 1 kg that turns, without damping."""
+    """A free ball of 1 kg turns, without damping."""
     values = {"source.radius": RADIUS, "source.mass": 1.0, "source.motion": "free"}
     values |= {"destination.motion": "fixed", "source.rotation": "free", "contact.method": "penalty"}
     values |= {"contact.penalty_factor": stiffness, "gravity": [0.0, 0.0, -G], **more}

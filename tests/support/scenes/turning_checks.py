@@ -39,7 +39,7 @@ class TurningFmuRun:
 
 
 def failures(fmu, values, end, steps, method, expected):
-    """A line for each figure that is not as in `expected`, or for the refusal of the run"""
+    """Returns a line for each figure that is not as in `expected`, or for the refusal of the run."""
     try:
         run = TurningFmuRun(fmu, values, end, steps, method)
     except FmuError as error:

@@ -20,7 +20,7 @@ class TurningScene(NamedTuple):
 
 
 def random_turning_scene(seed):
-    """A ball a little off the surface, on its way to it, askew and spinning."""
+    """A ball is a little off the surface, on its way to it, askew and spinning."""
     random = np.random.default_rng([15, seed])
     shape, inside = PLACES[seed % len(PLACES)]
     friction = FRICTIONS[seed // len(PLACES) % len(FRICTIONS)]
@@ -175,7 +175,7 @@ def friction_law(random, friction, values):
 
 
 def following(random, seed, values):
-    """A tangential stiffness that follows Hertz's, in every other scene that may have it."""
+    """A tangential stiffness follows Hertz's, in every other scene that may have it."""
     elastic = values["contact.friction"] == "elastic" and values["contact.law"] == "hertz"
     ratio = random.uniform(0.2, 1.2)
     if not elastic or seed % 2:
@@ -213,7 +213,7 @@ def resistance(random, law="regularized"):
 
 
 def random_plane_scene(seed):
-    """A ball a little above a slanted plane on its way down, or in an overlap; at times without friction."""
+    """A ball is a little above a slanted plane on its way down, or overlaps it, at times without friction."""
     random = np.random.default_rng([25, seed])
     axis, mass = unit_vector(random), random.uniform(0.5, 2.0)
     values = ball(random, axis, mass) | plane(random, axis)
