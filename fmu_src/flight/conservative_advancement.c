@@ -326,16 +326,17 @@ static void bound_bends(const struct advancement_path *path, enum advancement_ch
     struct falling *gap = &at->of[ADVANCEMENT_GAP];
     const int zone = abs(at->geometry.zone); /* of a capped cylinder, else 0 */
     const bool is_split = zone == 0 || (zone != ZONE_RIM && !distance_grows(path, change));
-    if (contact_is_cylinder(&shape) && is_split && !(axis.speed > 0.0)) {
-        /* The distance from the side changes by motion across the axis alone, the distances from ends and
-         * caps by motion along it. None of them is larger than the distance from the whole solid. */
+    const bool is_flat = zone == ZONE_CAP || contact_is_plane(&shape);
+    if ((is_flat || contact_is_cylinder(&shape)) && is_split && !(axis.speed > 0.0)) {
+        /* The distance from the side changes by motion across the axis alone, the distances from ends, caps
+         * and planes by motion along it. None of them is larger than the distance from the whole solid. */
         struct vec3 across[ADVANCEMENT_TERMS];
         struct vec3 along[ADVANCEMENT_TERMS];
         for (int i = 0; i < ADVANCEMENT_TERMS; ++i) {
             across[i] = contact_across(&shape, at->c[i]);
             along[i] = vec3_sub(at->c[i], across[i]);
         }
-        gap->bend = size_within(zone == ZONE_CAP ? along : across, 2, length) + of_levers;
+        gap->bend = size_within(is_flat ? along : across, 2, length) + of_levers;
         for (int i = ADVANCEMENT_UPPER_END; i < functions_of(path); ++i) {
             at->of[i].bend = size_within(along, 2, length) + of_levers;
         }

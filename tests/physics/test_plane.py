@@ -135,3 +135,8 @@ def test_passing_the_surface_exactly_at_its_centre(opened):
     fmu = run(opened(FMU), bounce(gap=-0.1, **held), 0.1, 2)
     assert fmu["contact.distance"] == 0.0
     check_close("force", fmu["contact.normal_force"], 100.0, 1e-12)
+
+
+def test_a_ball_slides_along_a_plane_that_may_turn_where_it_just_touches_it(opened):
+    along = bounce(gap=0.0, **{"destination.rotation": "prescribed", "gravity": [1.0, 0.0, 0.0]})
+    assert run(opened(FMU), along, 1.0, 1)["contact.onsets"] == 0
