@@ -147,11 +147,14 @@ struct friction_law scene_friction_law(const struct scene_state *q, int contact,
         return contact_resists(v, contact) ? resistance_law(q, contact, part)
                                            : (struct friction_law){.kind = FRICTION_NONE};
     }
+    /* With F_max = 0 friction has no force, as with mu = 0; no event would tell that mu F_n passes F_max. */
+    const double largest = contact_maximum_friction_force(v, contact);
+    const double share = largest > 0.0 ? 1.0 : 0.0;
     return (struct friction_law){
         .kind = (enum friction)contact_friction(v, contact),
-        .coefficient = contact_friction_coefficient(v, contact),
-        .static_coefficient = contact_static_friction_coefficient(v, contact),
-        .largest = contact_maximum_friction_force(v, contact),
+        .coefficient = share * contact_friction_coefficient(v, contact),
+        .static_coefficient = share * contact_static_friction_coefficient(v, contact),
+        .largest = largest,
         .stiffness = scene_stiffens(v, contact) ? mindlin_stiffness(q, contact)
                                                 : contact_tangential_stiffness(v, contact),
         .tangential = scene_stiffens(v, contact) ? TANGENTIAL_LAW_MINDLIN : TANGENTIAL_LAW_LINEAR,
