@@ -245,14 +245,42 @@ static double onset_force(const struct scene_instant *at, int contact)
     return force > MARGIN_ROUNDINGS * error ? force : 0.0;
 }
 
+/* Replaces the instant of a Hertzian contact that is at rest at its touch by one a moment later, when the
+ * load has pressed the bodies together by the rounding of the gap. F_n and the spring's part of F* grow from
+ * rest with powers of time that the motion at rest does not tell; the places stay as they are. */
+static void leave_rest(const struct rubbed *r, struct scene_instant *at)
+{
+    const struct scene_state *q = r->q;
+    const double press = scene_pressing_acceleration(q->clock, at, r->contact);
+    const double speed = sqrt(2.0 * rounding_of_gap(at, r->contact) * press); /* [m/s] */
+    if (!(fabs(at->geometry[r->contact].gap_rate) < speed)) {
+        return;
+    }
+    const double moment = speed / press;
+    struct body_state bodies[SCENE_BODIES];
+    struct turning_state turning = q->turning;
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        const struct vec3 faster = turning_acceleration(q->clock, at, i);
+        struct vec3 *omega = &turning.body[i].angular_velocity;
+        *omega = vec3_axpy(*omega, moment, faster);
+        bodies[i].moved = q->body[i].moved;
+        bodies[i].velocity = vec3_axpy(q->body[i].velocity, moment, at->acceleration[i]);
+    }
+    scene_evaluate(q, q->clock + moment, bodies, &turning, NULL, at);
+}
+
 /* Begins friction with a spring at rest. */
 static void begin_friction(const struct rubbed *r)
 {
     struct scene_instant at;
     end_friction(r);
     scene_now(r->q, &at);
+    const double force = onset_force(&at, r->contact);
+    if (force == 0.0 && scene_is_hertz(r->v, r->contact)) {
+        leave_rest(r, &at);
+    }
     struct friction_state rubbing = rubbing_now(r, &at);
-    rubbing.normal_force = onset_force(&at, r->contact);
+    rubbing.normal_force = force;
     const enum friction_regime next = friction_onset_regime(&r->law, rubbing, normal_force_rate(r, &at));
     *r->regime = (int32_t)next;
     if (r->law.kind == FRICTION_ELASTIC && r->law.damping == 0.0 && next != FRICTION_STICKING) {
