@@ -213,9 +213,9 @@ static struct contact_shape shape_with(const struct advancement_path *path, stru
 }
 
 /* Whether d grows through the reach at the change: a touch inside a shell, or a parting outside. */
-static bool distance_grows(const struct advancement_path *path, enum advancement_change change)
+static bool distance_grows(const struct advancement_path *path)
 {
-    return (change == ADVANCEMENT_TOUCH) == (path->shape.side < 0);
+    return (path->change == ADVANCEMENT_TOUCH) == (path->shape.side < 0);
 }
 
 /* Returns the value, at the parting, of a distance whose square is smooth everywhere: r_s for the distance
@@ -226,12 +226,12 @@ static double smooth_reach(const struct contact_shape *shape)
 }
 
 /* Returns the gap, or (reach^2 - d^2)/(2 reach) in place of reach - d where d grows; a plane keeps d. */
-static struct falling gap_function(const struct advancement_path *path, enum advancement_change change,
-                                   const struct contact_shape *shape, const struct contact_geometry *g)
+static struct falling gap_function(const struct advancement_path *path, const struct contact_shape *shape,
+                                   const struct contact_geometry *g)
 {
-    const double sign = change == ADVANCEMENT_TOUCH ? 1.0 : -1.0;
+    const double sign = path->change == ADVANCEMENT_TOUCH ? 1.0 : -1.0;
     struct falling gap = {sign * g->gap, sign * g->gap_rate, 0.0, 0.0};
-    if (distance_grows(path, change) && !contact_is_plane(shape)) {
+    if (distance_grows(path) && !contact_is_plane(shape)) {
         const bool capped = contact_is_capped(shape);
         const double distance = capped ? fmax(g->gap + shape->source_radius, 0.0) : g->distance;
         const double part = distance / smooth_reach(shape);
@@ -242,8 +242,7 @@ static struct falling gap_function(const struct advancement_path *path, enum adv
     return gap;
 }
 
-void advancement_at(const struct advancement_path *path, enum advancement_change change, double time,
-                    struct advancement_instant *at)
+void advancement_at(const struct advancement_path *path, double time, struct advancement_instant *at)
 {
     separation_at(path, time, at->c);
     const struct rotor_axis axis = axis_motion_at(&path->axis, time);
@@ -257,7 +256,7 @@ void advancement_at(const struct advancement_path *path, enum advancement_change
         at->axial_rate =
             shape.solid.race * vec3_dot(rate, vec3_cross(at->geometry.circumferential, axis.axis));
     }
-    at->of[ADVANCEMENT_GAP] = gap_function(path, change, &shape, &at->geometry);
+    at->of[ADVANCEMENT_GAP] = gap_function(path, &shape, &at->geometry);
     const double distance = vec3_norm(at->c[0]);
     /* whether the source moves, to rounding, in a plane across the axis */
     const bool in_plane = fabs(at->axial_rate) <= ADVANCEMENT_ROUNDINGS * vec3_norm(at->c[1]);
@@ -265,7 +264,7 @@ void advancement_at(const struct advancement_path *path, enum advancement_change
         fmax(path->rounding, ADVANCEMENT_ROUNDINGS * (distance + at->geometry.gap_terms));
     for (int i = ADVANCEMENT_UPPER_END; i < functions_of(path); ++i) {
         const double end = i == ADVANCEMENT_UPPER_END ? 1.0 : -1.0;
-        const double sign = change == ADVANCEMENT_TOUCH ? 1.0 : -1.0;
+        const double sign = path->change == ADVANCEMENT_TOUCH ? 1.0 : -1.0;
         at->noise[i] = fmax(path->rounding, ADVANCEMENT_ROUNDINGS * (distance + shape.half_length));
         double beyond = end * at->geometry.axial - shape.half_length;
         if (!(beyond > 0.0) && in_plane) { /* a source in the end plane is within, by more than rounding */
@@ -304,8 +303,8 @@ static void bound_ring(const struct contact_shape *shape, bool grows, double spe
 }
 
 /* Sets the bounds of the second derivatives over `length` seconds from `time` on; INFINITY: no bound. */
-static void bound_bends(const struct advancement_path *path, enum advancement_change change, double time,
-                        double length, struct advancement_instant *at)
+static void bound_bends(const struct advancement_path *path, double time, double length,
+                        struct advancement_instant *at)
 {
     const struct axis_bounds axis = axis_motion_bounds(&path->axis, time, length);
     const double of_levers = bend_of_levers(path, time, length);
@@ -321,11 +320,11 @@ static void bound_bends(const struct advancement_path *path, enum advancement_ch
     }
     const struct contact_shape shape = shape_with(path, path->axis.axis);
     if (contact_is_torus(&shape)) {
-        bound_ring(&shape, distance_grows(path, change), speed, length, at);
+        bound_ring(&shape, distance_grows(path), speed, length, at);
     }
     struct falling *gap = &at->of[ADVANCEMENT_GAP];
     const int zone = abs(at->geometry.zone); /* of a capped cylinder, else 0 */
-    const bool is_split = zone == 0 || (zone != ZONE_RIM && !distance_grows(path, change));
+    const bool is_split = zone == 0 || (zone != ZONE_RIM && !distance_grows(path));
     const bool is_flat = zone == ZONE_CAP || contact_is_plane(&shape);
     if ((is_flat || contact_is_cylinder(&shape)) && is_split && !(axis.speed > 0.0)) {
         /* The distance from the side changes by motion across the axis alone, the distances from ends, caps
@@ -342,7 +341,7 @@ static void bound_bends(const struct advancement_path *path, enum advancement_ch
         }
         speed = size_within(across, 1, length) + of_levers * length;
     }
-    if (distance_grows(path, change) && !contact_is_plane(&shape)) {
+    if (distance_grows(path) && !contact_is_plane(&shape)) {
         gap->bend += speed * speed / smooth_reach(&shape);
     }
 }
@@ -379,28 +378,22 @@ static double stays_above(const struct falling *f, double noise)
     return fmax(2.0 * height / (root - f->slope), slowly);
 }
 
-struct advancement_search {
-    const struct advancement_path *path;
-    enum advancement_change change;
-    int count; /* number of functions */
-};
-
 /* Returns the function that decides: the highest function for a touch, the lowest for a parting. */
-static int deciding(const struct advancement_search *search, const struct advancement_instant *at)
+static int deciding(const struct advancement_path *path, const struct advancement_instant *at)
 {
     int found = 0;
-    for (int i = 1; i < search->count; ++i) {
+    for (int i = 1; i < functions_of(path); ++i) {
         const bool higher = at->of[i].value > at->of[found].value;
-        found = higher == (search->change == ADVANCEMENT_TOUCH) ? i : found;
+        found = higher == (path->change == ADVANCEMENT_TOUCH) ? i : found;
     }
     return found;
 }
 
 /* Whether the change has taken place by more than rounding. */
-static bool surely_changed(const struct advancement_search *search, const struct advancement_instant *at)
+static bool surely_changed(const struct advancement_path *path, const struct advancement_instant *at)
 {
-    const bool touch = search->change == ADVANCEMENT_TOUCH;
-    for (int i = 0; i < search->count; ++i) {
+    const bool touch = path->change == ADVANCEMENT_TOUCH;
+    for (int i = 0; i < functions_of(path); ++i) {
         const bool beyond = at->of[i].value < -at->noise[i];
         if (beyond != touch) {
             return beyond;
@@ -412,10 +405,10 @@ static bool surely_changed(const struct advancement_search *search, const struct
 /* The deciding function and its slope as a root_function of time. */
 static void decision(const void *data, double time, double *value, double *slope)
 {
-    const struct advancement_search *search = data;
+    const struct advancement_path *path = data;
     struct advancement_instant at;
-    advancement_at(search->path, search->change, time, &at);
-    const struct falling *f = &at.of[deciding(search, &at)];
+    advancement_at(path, time, &at);
+    const struct falling *f = &at.of[deciding(path, &at)];
     *value = f->value;
     *slope = f->slope;
 }
@@ -432,27 +425,27 @@ static double stays_unchanged(const struct falling *f, double noise)
 
 /* Returns the longest time without a change by more than rounding [s], by the bends at `at`. A touch needs
  * all functions to fall, so the longest time counts; a parting needs one, so the shortest counts. */
-static double unchanged_for(const struct advancement_search *search, const struct advancement_instant *at)
+static double unchanged_for(const struct advancement_path *path, const struct advancement_instant *at)
 {
     double time = stays_unchanged(&at->of[0], at->noise[0]);
-    for (int i = 1; i < search->count; ++i) {
+    for (int i = 1; i < functions_of(path); ++i) {
         const double other = stays_unchanged(&at->of[i], at->noise[i]);
-        time = (other > time) == (search->change == ADVANCEMENT_TOUCH) ? other : time;
+        time = (other > time) == (path->change == ADVANCEMENT_TOUCH) ? other : time;
     }
     return time;
 }
 
 /* Returns the next step from `time` [s]. `*length` is the time over which the bends hold; it adapts. */
-static double step_from(const struct advancement_search *search, struct advancement_instant *at, double time,
+static double step_from(const struct advancement_path *path, struct advancement_instant *at, double time,
                         double horizon, double *length)
 {
     const double rest = horizon - time;
-    const struct contact_shape *shape = &search->path->shape;
+    const struct contact_shape *shape = &path->shape;
     /* bodies of finite size touch only where their centres are near each other */
     const bool has_reach =
-        shape->side > 0 && (search->count > 1 || contact_is_capped(shape) || contact_is_torus(shape));
-    if (search->change == ADVANCEMENT_TOUCH && has_reach) {
-        const struct falling beyond = beyond_reach(search->path, at, time, rest);
+        shape->side > 0 && (functions_of(path) > 1 || contact_is_capped(shape) || contact_is_torus(shape));
+    if (path->change == ADVANCEMENT_TOUCH && has_reach) {
+        const struct falling beyond = beyond_reach(path, at, time, rest);
         const double away = stays_above(&beyond, 0.0);
         if (away >= rest) {
             return rest;
@@ -462,27 +455,26 @@ static double step_from(const struct advancement_search *search, struct advancem
         }
     }
     const double within = fmin(*length, rest);
-    bound_bends(search->path, search->change, time, within, at);
+    bound_bends(path, time, within, at);
     const struct falling *gap = &at->of[ADVANCEMENT_GAP];
     if (!(gap->bend < (double)INFINITY) && !(gap->steepest > 0.0)) {
         *length = 0.25 * within; /* no bound: the axis polynomial passes zero */
         return 0.0;
     }
-    const double step = fmin(unchanged_for(search, at), within);
+    const double step = fmin(unchanged_for(path, at), within);
     *length = 2.0 * step;
     return step;
 }
 
 /* Returns the change at the root of the deciding function between `before`, a time without the change, and
  * `after`, a time with the change; the start if before.s < 0. */
-static struct advancement_result located(const struct advancement_search *search,
-                                         struct root_bracket_end before, struct root_bracket_end after,
-                                         long evaluations)
+static struct advancement_result located(const struct advancement_path *path, struct root_bracket_end before,
+                                         struct root_bracket_end after, long evaluations)
 {
-    const double root = before.s < 0.0 ? 0.0 : root_between(decision, search, before, after);
+    const double root = before.s < 0.0 ? 0.0 : root_between(decision, path, before, after);
     struct advancement_instant at;
-    advancement_at(search->path, search->change, root, &at);
-    const bool by_gap = deciding(search, &at) == ADVANCEMENT_GAP;
+    advancement_at(path, root, &at);
+    const bool by_gap = deciding(path, &at) == ADVANCEMENT_GAP;
     return (struct advancement_result){root, by_gap ? 0.0 : at.geometry.gap, root, evaluations};
 }
 
@@ -493,32 +485,30 @@ static double still_rising_for(struct root_bracket_end now)
     return now.slope > 0.0 ? -2.0 * now.value / now.slope : 0.0;
 }
 
-struct advancement_result advancement_first(const struct advancement_path *path,
-                                            enum advancement_change change, double horizon, long budget)
+struct advancement_result advancement_first(const struct advancement_path *path, double horizon, long budget)
 {
     struct advancement_path moving = *path; /* the axis motion moves on with the search */
-    const struct advancement_search search = {&moving, change, functions_of(path)};
     double time = 0.0;
     /* the deciding function where it was last not negative; a time of -1: it has been negative throughout */
     struct root_bracket_end before = {-1.0, 0.0, 0.0};
     double length = horizon;
     for (long evaluations = 1; evaluations <= budget; ++evaluations) {
         struct advancement_instant at;
-        advancement_at(&moving, change, time, &at);
-        const struct falling *decides = &at.of[deciding(&search, &at)];
+        advancement_at(&moving, time, &at);
+        const struct falling *decides = &at.of[deciding(&moving, &at)];
         const struct root_bracket_end now = {time, decides->value, decides->slope};
         double step = 0.0;
-        if (surely_changed(&search, &at)) {
+        if (surely_changed(&moving, &at)) {
             step = before.s < 0.0 ? still_rising_for(now) : 0.0;
             if (!(step > 0.0)) {
-                return located(&search, before, now, evaluations);
+                return located(&moving, before, now, evaluations);
             }
         } else if (time < horizon) {
             if (!(now.value < 0.0)) {
                 before = now;
                 advancement_move_on(&moving, time);
             }
-            step = step_from(&search, &at, time, horizon, &length);
+            step = step_from(&moving, &at, time, horizon, &length);
             /* the step is halved until the deciding function has been >= 0: a value that rounding put below
              * zero is above zero half-way, or stays within rounding */
             step *= before.s < 0.0 ? 0.5 : 1.0;

@@ -52,7 +52,11 @@ struct axis_motion axis_motion_tumbling(struct vec3 axis, const struct body_turn
 /* Number of coefficients of the separation, a polynomial of degree four at most. */
 enum { ADVANCEMENT_TERMS = 5 };
 
+/* The change that the search looks for: the bodies come into contact, or contact ends. */
+enum advancement_change { ADVANCEMENT_TOUCH, ADVANCEMENT_PARTING };
+
 struct advancement_path {
+    enum advancement_change change;
     struct contact_shape shape; /* holds the axis at the start; `axis` below gives the axis at any time */
     struct vec3 c[ADVANCEMENT_TERMS]; /* separation by powers of the time since now [m, m/s, ...] */
     /* the rate of the separation that the force law uses less c' [m/s, ...]; the search does not read it */
@@ -71,9 +75,6 @@ double advancement_turning(const struct advancement_path *path, double time, dou
 /* Moves the origins of the axis and the lever arms to `time`. After that no function may be called for an
  * earlier time on this path. */
 void advancement_move_on(struct advancement_path *path, double time);
-
-/* The change that the search looks for: the bodies come into contact, or contact ends. */
-enum advancement_change { ADVANCEMENT_TOUCH, ADVANCEMENT_PARTING };
 
 /* A function that is positive before the change; its second derivative is at least -bend. Where `steepest` is
  * above zero, its rate is at least -steepest, whatever the bend. */
@@ -95,8 +96,7 @@ struct advancement_instant {
 };
 
 /* Sets the functions and their slopes at a time; the bounds of the second derivatives are not set. */
-void advancement_at(const struct advancement_path *path, enum advancement_change change, double time,
-                    struct advancement_instant *at);
+void advancement_at(const struct advancement_path *path, double time, struct advancement_instant *at);
 
 struct advancement_result {
     double after;     /* time from the present to the change [s]; INFINITY: no change before `searched` */
@@ -107,7 +107,6 @@ struct advancement_result {
 
 /* Returns the first change within `horizon` seconds that is deeper than rounding, at a time exact to
  * rounding. The search ends early, at `searched` < horizon, after `budget` > 0 evaluations. */
-struct advancement_result advancement_first(const struct advancement_path *path,
-                                            enum advancement_change change, double horizon, long budget);
+struct advancement_result advancement_first(const struct advancement_path *path, double horizon, long budget);
 
 #endif

@@ -19,32 +19,27 @@ static void torque_from_now(const struct scene_state *q, int body, struct vec3 t
     }
 }
 
-/* Returns the rotation of a freely turning body at a clock no earlier than the present. */
-static struct body_turn flight_turn_at(const struct scene_state *q, int body, double clock)
-{
-    const struct body_turn *now = &q->turning.body[body];
-    struct vec3 torque[ROTOR_TORQUES];
-    if (!body_is_compound(body) && path_rests(q->path[body].torque)) {
-        const struct rotor rotor = rotor_of(q, body);
-        return rotor_at(&rotor, clock);
-    }
-    torque_from_now(q, body, torque);
-    return rotor_of_three_after(now, body_inertia_of(q->v, body), torque, clock - q->clock);
-}
-
 void flight_turn(struct scene_state *q, int body, double clock)
 {
-    const struct body_turn then = flight_turn_at(q, body, clock);
-    if (!path_rests(q->path[body].torque)) {
-        q->external_work += body_rotational_energy(q->v, body, &then) -
-                            body_rotational_energy(q->v, body, &q->turning.body[body]);
+    struct body_turn *turn = &q->turning.body[body];
+    const bool by_itself = path_rests(q->path[body].torque);
+    if (!body_is_compound(body) && by_itself) {
+        const struct rotor rotor = rotor_of(q, body);
+        *turn = rotor_at(&rotor, clock);
+        return;
     }
-    q->turning.body[body] = then;
+    struct vec3 torque[ROTOR_TORQUES];
+    torque_from_now(q, body, torque);
+    const double before = body_rotational_energy(q->v, body, turn);
+    *turn = rotor_of_three_after(turn, body_inertia_of(q->v, body), torque, clock - q->clock);
+    q->external_work += by_itself ? 0.0 : body_rotational_energy(q->v, body, turn) - before;
 }
 
-struct axis_motion flight_axis_motion(const struct scene_state *q, const struct body_turn *at, int body)
+struct axis_motion flight_axis_motion(const struct scene_state *q, const struct body_turn *at, int body,
+                                      struct vec3 direction)
 {
-    if (path_rests(q->path[body].torque)) {
+    const bool is_compound = body_is_compound(body);
+    if (!is_compound && path_rests(q->path[body].torque)) {
         const struct rotor rotor = rotor_of(q, body);
         struct axis_motion motion = axis_motion_of_rotor(&rotor);
         motion.from = -q->clock; /* the rotor's time is the clock */
@@ -52,11 +47,14 @@ struct axis_motion flight_axis_motion(const struct scene_state *q, const struct 
     }
     struct vec3 torque[ROTOR_TORQUES];
     torque_from_now(q, body, torque);
+    const struct vec3 inertia = body_inertia_of(q->v, body);
+    if (is_compound) {
+        const struct quaternion to_body = quaternion_inverse(at->orientation);
+        return axis_motion_tumbling(quaternion_rotate(to_body, direction), at, inertia, torque);
+    }
     /* the axis turns with L / I_1, as that of a body with three moments I_1 does */
-    const double inertia = body_inertia_of(q->v, body).x;
     const struct body_turn whole = {quaternion_identity(), body_spin_of(q->v, body, at)};
-    return axis_motion_tumbling(quaternion_third_axis(at->orientation), &whole,
-                                vec3_make(inertia, inertia, inertia), torque);
+    return axis_motion_tumbling(direction, &whole, vec3_make(inertia.x, inertia.x, inertia.x), torque);
 }
 
 /* Least discriminant as a fraction of the sum of its two terms' sizes. Below it the parabola may just touch
@@ -165,30 +163,26 @@ bool flight_is_free(const struct scene_state *q)
     return true;
 }
 
-void flight_force(const struct scene_state *q, int body, double clock, struct vec3 force[3])
-{
-    memcpy(force, q->path[body].force, sizeof q->path[body].force);
-    path_shift(force, 3, clock);
-}
-
 bool flight_is_steady(const struct scene_state *q, int body)
 {
     return body_is_free(q->v, body) ? path_is_steady(q->path[body].force, 3)
                                     : !body_is_prescribed(q->v, body);
 }
 
-int flight_velocity(const struct scene_values *v, int body, struct vec3 start, const struct vec3 force[3],
-                    struct vec3 velocity[FLIGHT_TERMS])
+struct free_flight free_flight_of(const struct scene_state *q, int body, double clock, struct vec3 velocity)
 {
-    const double inverse_mass = 1.0 / body_mass(v, body);
-    velocity[0] = start;
-    velocity[1] = vec3_axpy(gravity(v), inverse_mass, force[0]);
-    if (path_is_steady(force, 3)) {
-        return 2;
+    const double inverse_mass = 1.0 / body_mass(q->v, body);
+    struct free_flight f;
+    f.terms = path_is_steady(q->path[body].force, 3) ? 2 : FLIGHT_TERMS;
+    memcpy(f.force, q->path[body].force, sizeof f.force);
+    if (f.terms > 2) {
+        path_shift(f.force, 3, clock);
+        f.velocity[2] = vec3_scale(inverse_mass / 2.0, f.force[1]);
+        f.velocity[3] = vec3_scale(inverse_mass / 3.0, f.force[2]);
     }
-    velocity[2] = vec3_scale(inverse_mass / 2.0, force[1]);
-    velocity[3] = vec3_scale(inverse_mass / 3.0, force[2]);
-    return FLIGHT_TERMS;
+    f.velocity[0] = velocity;
+    f.velocity[1] = vec3_axpy(gravity(q->v), inverse_mass, f.force[0]);
+    return f;
 }
 
 struct vec3 flight_displacement(const struct vec3 *velocity, int terms, double time)
@@ -200,19 +194,9 @@ struct vec3 flight_displacement(const struct vec3 *velocity, int terms, double t
     return vec3_scale(time, mean);
 }
 
-/* Returns a free body's state `time` seconds after `start`, where the polynomial `force` has its origin. */
-static struct body_state flight_from(const struct scene_values *v, int body, struct body_state start,
-                                     const struct vec3 force[3], double time)
-{
-    struct vec3 velocity[FLIGHT_TERMS];
-    const int terms = flight_velocity(v, body, start.velocity, force, velocity);
-    return (struct body_state){vec3_add(start.moved, flight_displacement(velocity, terms, time)),
-                               path_at(velocity, terms, time)};
-}
-
 /* Force times velocity has degree five, for which three Gauss-Legendre nodes, 0 and +-sqrt(3/5), are
  * exact. */
-double flight_work_along(const struct vec3 *velocity, int terms, const struct vec3 force[3], double time)
+double flight_work_along(const struct free_flight *f, double time)
 {
     const double node = 0.77459666924148338;
     const double nodes[3] = {-node, 0.0, node};
@@ -220,38 +204,35 @@ double flight_work_along(const struct vec3 *velocity, int terms, const struct ve
     double sum = 0.0;
     for (int i = 0; i < 3; ++i) {
         const double at = 0.5 * time * (1.0 + nodes[i]);
-        sum += weights[i] * vec3_dot(path_at(force, 3, at), path_at(velocity, terms, at));
+        sum += weights[i] * vec3_dot(path_at(f->force, 3, at), path_at(f->velocity, f->terms, at));
     }
     return 0.5 * time * sum;
 }
 
-double flight_work(const struct scene_state *q, int body, struct body_state start, double clock, double time)
+double flight_work(const struct scene_state *q, int body, struct vec3 velocity, double clock, double time)
 {
-    struct vec3 force[3];
-    struct vec3 velocity[FLIGHT_TERMS];
-    flight_force(q, body, clock, force);
-    if (path_rests(force)) {
+    if (path_rests(q->path[body].force)) {
         return 0.0;
     }
-    const int terms = flight_velocity(q->v, body, start.velocity, force, velocity);
-    return flight_work_along(velocity, terms, force, time);
+    const struct free_flight f = free_flight_of(q, body, clock, velocity);
+    return flight_work_along(&f, time);
 }
 
 void flight_deviate(struct scene_state *q, int body, double time, struct vec3 moved, struct vec3 velocity)
 {
-    struct vec3 force[3];
-    q->external_work += flight_work(q, body, q->body[body], q->clock, time);
-    flight_force(q, body, q->clock, force);
-    const struct body_state flown = flight_from(q->v, body, q->body[body], force, time);
-    q->body[body].moved = vec3_add(flown.moved, moved);
-    q->body[body].velocity = vec3_add(flown.velocity, velocity);
+    struct body_state *state = &q->body[body];
+    const struct free_flight f = free_flight_of(q, body, q->clock, state->velocity);
+    q->external_work += path_rests(f.force) ? 0.0 : flight_work_along(&f, time);
+    const struct vec3 flown = flight_displacement(f.velocity, f.terms, time);
+    state->moved = vec3_add(vec3_add(state->moved, flown), moved);
+    state->velocity = vec3_add(path_at(f.velocity, f.terms, time), velocity);
 }
 
-struct body_state flight_body_at(const struct scene_values *v, const struct scene_state *q, int body,
-                                 double clock)
+struct body_state flight_body_at(const struct scene_state *q, int body, double clock)
 {
-    const struct body_state start = {.velocity = q->origin[body].velocity};
-    return flight_from(v, body, start, q->path[body].force, clock);
+    const struct free_flight f = free_flight_of(q, body, 0.0, q->origin[body].velocity);
+    return (struct body_state){flight_displacement(f.velocity, f.terms, clock),
+                               path_at(f.velocity, f.terms, clock)};
 }
 
 double flight_stored_energy(const struct scene_state *q, bool all)
@@ -276,8 +257,8 @@ void flight_advance(struct scene_state *q, double clock)
     const double stored = flight_stored_energy(q, true);
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_is_free(q->v, i)) {
-            q->external_work += flight_work(q, i, q->body[i], q->clock, clock - q->clock);
-            q->body[i] = flight_body_at(q->v, q, i, clock);
+            q->external_work += flight_work(q, i, q->body[i].velocity, q->clock, clock - q->clock);
+            q->body[i] = flight_body_at(q, i, clock);
         }
     }
     for (int i = 0; SCENE_ANY_ROTATION && i < SCENE_BODIES; ++i) {
@@ -368,7 +349,7 @@ static void restore_axial(struct scene_state *q, int contact, int body)
 {
     if (body_is_free(q->v, body) && !body_is_loaded(q, body, contact)) {
         const struct vec3 axis = q->contact[contact].parameters.axis;
-        const struct body_state exact = flight_body_at(q->v, q, body, q->clock);
+        const struct body_state exact = flight_body_at(q, body, q->clock);
         q->body[body].moved = with_axial_of(q->body[body].moved, exact.moved, axis);
         q->body[body].velocity = with_axial_of(q->body[body].velocity, exact.velocity, axis);
     }
@@ -378,7 +359,7 @@ void flight_restore(struct scene_state *q)
 {
     for (int i = 0; SCENE_CONTACTS > 1 && i < SCENE_BODIES; ++i) {
         if (body_is_free(q->v, i) && !body_is_loaded(q, i, -1)) {
-            q->body[i] = flight_body_at(q->v, q, i, q->clock);
+            q->body[i] = flight_body_at(q, i, q->clock);
         }
     }
     if (SCENE_ANY_CYLINDER) {

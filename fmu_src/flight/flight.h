@@ -10,9 +10,10 @@
 #include "flight/relative_path.h"
 #include "scene/evaluate.h"
 
-/* Returns the axis motion of a freely turning body without contact forces from now on; `at` is the present
- * rotation. */
-struct axis_motion flight_axis_motion(const struct scene_state *q, const struct body_turn *at, int body);
+/* Returns the motion of a freely turning body's axis without contact forces from now on, or of any direction
+ * of a compound body; `at` is the present rotation and `direction` that of the axis. */
+struct axis_motion flight_axis_motion(const struct scene_state *q, const struct body_turn *at, int body,
+                                      struct vec3 direction);
 
 /* Turns a freely turning body to a clock and books the work of its external torque, but does not move the
  * clock. */
@@ -44,38 +45,37 @@ bool flight_head_on_touch(const struct contact_shape *shape, const struct separa
 /* Whether no contact transmits a force: all contacts are apart or separating. */
 bool flight_is_free(const struct scene_state *q);
 
-/* Sets the external force on a body [N] as a polynomial of the time since `clock`. */
-void flight_force(const struct scene_state *q, int body, double clock, struct vec3 force[3]);
-
 /* Whether a body rests, or flies under a constant force. */
 bool flight_is_steady(const struct scene_state *q, int body);
 
-/* Sets the coefficients of a free body's velocity as a polynomial of time, from gravity and a force with the
- * same time origin. Returns their number: two for a constant force. */
+/* The external force on a free body [N] and its velocity without contact forces [m/s], as polynomials of the
+ * time since a clock. The velocity has two terms under a constant force. */
 enum { FLIGHT_TERMS = 4 };
-int flight_velocity(const struct scene_values *v, int body, struct vec3 start, const struct vec3 force[3],
-                    struct vec3 velocity[FLIGHT_TERMS]);
+struct free_flight {
+    struct vec3 force[3], velocity[FLIGHT_TERMS];
+    int terms; /* of the velocity */
+};
+
+/* Returns the flight of a free body that has a velocity at a clock. */
+struct free_flight free_flight_of(const struct scene_state *q, int body, double clock, struct vec3 velocity);
 
 /* Integrals of s^i over [0, 1]; multiplied by them, velocity coefficients become displacement
  * coefficients. */
 static const double FLIGHT_MEAN[FLIGHT_TERMS] = {1.0, 1.0 / 2.0, 1.0 / 3.0, 1.0 / 4.0};
 
-/* Return the displacement in `time` seconds by a velocity of flight_velocity [m], and the work of a force
- * along this displacement [J]. */
+/* Returns the displacement in `time` seconds by the coefficients of a velocity [m]. */
 struct vec3 flight_displacement(const struct vec3 *velocity, int terms, double time);
-double flight_work_along(const struct vec3 *velocity, int terms, const struct vec3 force[3], double time);
 
-/* Returns the work of the external force on a free body that flies for `time` seconds from `start`, its state
- * at a clock [J]. */
-double flight_work(const struct scene_state *q, int body, struct body_state start, double clock, double time);
+/* Return the work of the external force over the first `time` seconds of a flight [J]. */
+double flight_work_along(const struct free_flight *f, double time);
+double flight_work(const struct scene_state *q, int body, struct vec3 velocity, double clock, double time);
 
 /* Flies a free body for `time` seconds, and adds what contact forces change [m, m/s]. Books the work of the
  * external force along the flight alone. */
 void flight_deviate(struct scene_state *q, int body, double time, struct vec3 moved, struct vec3 velocity);
 
 /* Returns a free body's state at a clock, by the polynomial from the clock's origin. */
-struct body_state flight_body_at(const struct scene_values *v, const struct scene_state *q, int body,
-                                 double clock);
+struct body_state flight_body_at(const struct scene_state *q, int body, double clock);
 
 /* Moves all free bodies to `clock` while flight_is_free. Books the work of the external forces, and the
  * stored energy that separating contacts lose. */

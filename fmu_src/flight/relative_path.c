@@ -8,13 +8,10 @@
 static void add_free(const struct scene_instant *at, double clock, int body, double sign,
                      struct separation_path *out)
 {
-    struct vec3 force[3];
-    flight_force(at->q, body, clock, force);
-    struct vec3 rate[SEPARATION_DEGREE];
-    const int terms = flight_velocity(at->v, body, at->velocity[body], force, rate);
-    for (int i = 0; i < terms; ++i) {
-        out->w[i] = vec3_axpy(out->w[i], sign, rate[i]);
-        out->c[i + 1] = vec3_axpy(out->c[i + 1], sign * FLIGHT_MEAN[i], rate[i]);
+    const struct free_flight f = free_flight_of(at->q, body, clock, at->velocity[body]);
+    for (int i = 0; i < f.terms; ++i) {
+        out->w[i] = vec3_axpy(out->w[i], sign, f.velocity[i]);
+        out->c[i + 1] = vec3_axpy(out->c[i + 1], sign * FLIGHT_MEAN[i], f.velocity[i]);
     }
 }
 
@@ -63,50 +60,48 @@ int separation_path_planes(const struct separation_path *path, double horizon, s
     return count;
 }
 
+/* Returns the motion of a direction, of unit length now, that a body carries along. */
+static struct axis_motion motion_with(const struct scene_instant *at, double clock, int body,
+                                      struct vec3 direction)
+{
+    const struct body_turn *turn = &at->turning.body[body];
+    struct body_path path = at->q->path[body];
+    body_path_shift(at->v, body, &path, clock);
+    if (SCENE_ANY_FREE && body_turns_freely(at->v, body)) {
+        return flight_axis_motion(at->q, turn, body, direction);
+    }
+    if (!body_turn_is_prescribed(at->v, body) ||
+        (body_is_compound(body) && path.turn_follows != TURN_FOLLOWS_VELOCITY)) {
+        return (struct axis_motion){.kind = AXIS_FIXED, .axis = direction};
+    }
+    const bool by_axis = path.turn_follows != TURN_FOLLOWS_VELOCITY && !vec3_is_zero(path.axis[0]);
+    return by_axis ? axis_motion_following(path.axis)
+                   : axis_motion_prescribed(direction, path.angular_velocity);
+}
+
 /* Sets the lever arms of the compound bodies of a contact, and takes them off c, which then leads from centre
  * of mass to centre of mass. */
 static void put_levers(const struct scene_instant *at, double clock, int contact,
                        struct advancement_path *path)
 {
     for (int end = 0; SCENE_ANY_COMPOUND && end < 2; ++end) {
-        const int body = end == 0 ? contact_source(contact) : contact_destination(contact);
-        const struct vec3 part = end == 0 ? contact_source_part(contact) : contact_destination_part(contact);
-        const double length = vec3_norm(part);
-        if (!(length > 0.0)) {
-            continue;
-        }
         const struct vec3 lever = scene_lever(at, contact, end);
-        const struct vec3 axis = vec3_scale(1.0 / vec3_norm(lever), lever);
-        const struct body_turn *turn = &at->turning.body[body];
-        struct body_path follows = at->q->path[body];
-        body_path_shift(at->v, body, &follows, clock);
-        path->lever_length[end] = length;
-        path->lever[end] = (struct axis_motion){.kind = AXIS_FIXED, .axis = axis};
-        path->c[0] = vec3_axpy(path->c[0], end == 0 ? 1.0 : -1.0, lever); /* to the centres of mass */
-        if (body_turns_freely(at->v, body)) {
-            path->lever[end] = axis_motion_tumbling(vec3_scale(1.0 / length, part), turn,
-                                                    body_principal_inertia(at->v, body), follows.torque);
-        } else if (body_turn_is_prescribed(at->v, body) && follows.turn_follows == TURN_FOLLOWS_VELOCITY) {
-            path->lever[end] = axis_motion_prescribed(axis, follows.angular_velocity);
+        const double length = vec3_norm(lever);
+        if (length > 0.0) {
+            const int body = end == 0 ? contact_source(contact) : contact_destination(contact);
+            path->lever_length[end] = length;
+            path->lever[end] = motion_with(at, clock, body, vec3_scale(1.0 / length, lever));
+            path->c[0] = vec3_axpy(path->c[0], end == 0 ? 1.0 : -1.0, lever); /* to the centres of mass */
         }
     }
-}
-
-static struct axis_motion prescribed_axis(const struct scene_state *q, const struct body_turn *turn,
-                                          double clock, int body)
-{
-    struct body_path path = q->path[body];
-    body_path_shift(q->v, body, &path, clock);
-    const bool by_axis = path.turn_follows != TURN_FOLLOWS_VELOCITY && !vec3_is_zero(path.axis[0]);
-    return by_axis ? axis_motion_following(path.axis)
-                   : axis_motion_prescribed(quaternion_third_axis(turn->orientation), path.angular_velocity);
 }
 
 struct advancement_path advancement_path_of(const struct scene_instant *at, double clock, int contact)
 {
     const struct separation_path separation = separation_path_of(at, clock, contact);
-    const int destination = contact_destination(contact);
-    struct advancement_path path = {.shape = scene_contact_shape_at(at, contact),
+    const bool apart = at->q->contact[contact].regime == (int32_t)REGIME_APART;
+    struct advancement_path path = {.change = apart ? ADVANCEMENT_TOUCH : ADVANCEMENT_PARTING,
+                                    .shape = scene_contact_shape_at(at, contact),
                                     .rounding = rounding_of_gap(at, contact)};
     memcpy(path.c, separation.c, sizeof path.c);
     for (int i = 0; SCENE_ANY_PRESCRIBED && i < SEPARATION_DEGREE; ++i) {
@@ -114,13 +109,9 @@ struct advancement_path advancement_path_of(const struct scene_instant *at, doub
     }
     put_levers(at, clock, contact, &path);
     if (SCENE_ANY_AXIS) {
-        path.axis = (struct axis_motion){.kind = AXIS_FIXED, .axis = path.shape.axis};
-    }
-    if (contact_tips(at->v, contact)) {
-        const struct body_turn *turn = &at->turning.body[destination];
-        path.axis = SCENE_ANY_FREE && body_turns_freely(at->v, destination)
-                        ? flight_axis_motion(at->q, turn, destination)
-                        : prescribed_axis(at->q, turn, clock, destination);
+        path.axis = contact_tips(at->v, contact)
+                        ? motion_with(at, clock, contact_destination(contact), path.shape.axis)
+                        : (struct axis_motion){.kind = AXIS_FIXED, .axis = path.shape.axis};
     }
     return path;
 }
@@ -141,23 +132,10 @@ static double coefficient_scale(const struct vec3 *c, double horizon, double rea
     return scale > 0.0 ? scale : 1.0;
 }
 
-static struct polynomial dot_product(const struct vec3 *a, int a_degree, const struct vec3 *b, int b_degree)
-{
-    struct polynomial p = {{0.0}, a_degree + b_degree};
-    for (int i = 0; i <= a_degree; ++i) {
-        for (int j = 0; j <= b_degree; ++j) {
-            p.a[i + j] += vec3_dot(a[i], b[j]);
-        }
-    }
-    return p;
-}
-
 struct relative_path relative_path_make(const struct contact_shape *shape,
                                         const struct separation_path *separation, double gap, double horizon)
 {
-    struct relative_path path = {.horizon = horizon, .side = shape->side};
-    path.flat = contact_is_plane(shape);
-    struct vec3 slope[SEPARATION_DEGREE];
+    struct relative_path path = {.shape = shape, .horizon = horizon};
     path.scale = coefficient_scale(separation->c, horizon, contact_reach(shape));
     double factor = 1.0 / path.scale;
     for (int i = 0; i <= SEPARATION_DEGREE; ++i) {
@@ -169,23 +147,24 @@ struct relative_path relative_path_make(const struct contact_shape *shape,
                 path.c[0] = vec3_scale(factor, separation->offset);
             }
         }
-        if (relative_path_is_flat(&path)) {
+        if (contact_is_plane(shape)) {
             path.c[i] = vec3_make(-vec3_dot(path.c[i], shape->axis), 0.0, 0.0);
         }
         factor *= horizon;
         factor = factor < DBL_MAX ? factor : DBL_MAX; /* keeps a product with a zero coefficient finite */
-        if (i > 0) {
-            slope[i - 1] = vec3_scale(i, path.c[i]);
-        }
     }
     path.reach = contact_reach(shape) / path.scale;
     path.degree = path_degree(path.c, SEPARATION_DEGREE + 1);
     path.start = vec3_norm(path.c[0]);
     path.gap = gap / path.scale;
-    const struct vec3 unit = {1.0, 0.0, 0.0};
-    const struct vec3 *by = relative_path_is_flat(&path) ? &unit : path.c;
-    const int by_degree = relative_path_is_flat(&path) ? 0 : path.degree;
-    path.closing = dot_product(by, by_degree, slope, path.degree > 0 ? path.degree - 1 : 0);
+    const int by_degree = contact_is_plane(shape) ? 0 : path.degree;
+    path.closing.degree = by_degree + (path.degree > 0 ? path.degree - 1 : 0);
+    for (int i = 0; i <= by_degree; ++i) {
+        const struct vec3 by = contact_is_plane(shape) ? vec3_make(1.0, 0.0, 0.0) : path.c[i];
+        for (int j = 0; j < path.degree; ++j) {
+            path.closing.a[i + j] += vec3_dot(by, vec3_scale(j + 1, path.c[j + 1]));
+        }
+    }
     return path;
 }
 
@@ -194,7 +173,7 @@ void relative_path_gap(const void *data, double s, double *gap, double *slope)
     const struct relative_path *path = data;
     const struct vec3 moved =
         path->degree > 0 ? vec3_scale(s, path_at(path->c + 1, path->degree, s)) : vec3_make(0.0, 0.0, 0.0);
-    if (relative_path_is_flat(path)) {
+    if (contact_is_plane(path->shape)) {
         *gap = path->gap + moved.x;
         *slope = polynomial_at(&path->closing, s);
         return;
@@ -203,20 +182,6 @@ void relative_path_gap(const void *data, double s, double *gap, double *slope)
     const double both = path->start + distance;
     /* |a + b| - |a| = (2 a.b + b.b) / (|a + b| + |a|) */
     const double grown = both > 0.0 ? vec3_dot(vec3_axpy(moved, 2.0, path->c[0]), moved) / both : 0.0;
-    *gap = path->gap + path->side * grown;
-    *slope = distance > 0.0 ? path->side * polynomial_at(&path->closing, s) / distance : 0.0;
-}
-
-struct extremes extremes_of(const struct relative_path *path)
-{
-    struct extremes found;
-    found.count = polynomial_sign_changes(&path->closing, found.at);
-    return found;
-}
-
-struct root_bracket_end flight_gap_bracket_end(const struct relative_path *path, double s)
-{
-    struct root_bracket_end end = {.s = s};
-    relative_path_gap(path, s, &end.value, &end.slope);
-    return end;
+    *gap = path->gap + path->shape->side * grown;
+    *slope = distance > 0.0 ? path->shape->side * polynomial_at(&path->closing, s) / distance : 0.0;
 }

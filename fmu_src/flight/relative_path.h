@@ -21,24 +21,19 @@ struct separation_path {
 };
 
 /* The separation path over a horizon, with the time s = time / horizon in [0, 1] and lengths divided by
- * `scale`. For a cylinder only the part of c across the axis is stored. */
+ * `scale`. For a cylinder only the part of c across the axis is stored. For a plane c is (d, 0, 0), and
+ * `closing` is d'. */
 struct relative_path {
+    const struct contact_shape *shape; /* must live as long as the path does */
     struct vec3 c[SEPARATION_DEGREE + 1];
-    int degree;                /* degree of c: two for constant forces */
-    double start;              /* |c| at the start [scale] */
-    double gap;                /* gap at the start, with more digits than |c| has [scale] */
-    struct polynomial closing; /* c.c', whose roots are the extremes of the distance */
-    bool flat;                 /* see relative_path_is_flat */
-    double scale, horizon;     /* unit of length [m], time span [s] */
-    double reach;              /* distance d at which the bodies touch [scale] */
-    int side;
+    int degree;   /* degree of c: two for constant forces */
+    double start; /* |c| at the start [scale] */
+    double gap;   /* gap at the start, with more digits than |c| has [scale] */
+    /* c.c', whose changes of sign are the extremes of the distance; between them the distance is monotone */
+    struct polynomial closing;
+    double scale, horizon; /* unit of length [m], time span [s] */
+    double reach;          /* distance d at which the bodies touch [scale] */
 };
-
-/* Whether the destination is a plane: c is then (d, 0, 0) and `closing` is d'. */
-static inline bool relative_path_is_flat(const struct relative_path *path)
-{
-    return SCENE_ANY_PLANE && (!SCENE_ANY_CURVED || path->flat);
-}
 
 /* Returns the separation path from the present instant `at`, whose clock is `clock`. */
 struct separation_path separation_path_of(const struct scene_instant *at, double clock, int contact);
@@ -64,16 +59,5 @@ bool relative_path_has_ends(const struct contact_shape *shape);
  * growth is computed from vectors: a difference of squares would lose all digits where the distance exceeds
  * 1e8 times the bodies' size. */
 void relative_path_gap(const void *data, double s, double *gap, double *slope);
-
-/* The extremes of the distance, between which the distance is monotone. */
-struct extremes {
-    double at[POLYNOMIAL_MAX_DEGREE];
-    int count;
-};
-
-struct extremes extremes_of(const struct relative_path *path);
-
-/* Returns the gap [scale] and its slope at s. */
-struct root_bracket_end flight_gap_bracket_end(const struct relative_path *path, double s);
 
 #endif

@@ -5,9 +5,9 @@
 #include "flight/relative_path.h"
 #include "flight/zone_path.h"
 
-double zone_path_rounding(const struct contact_solid *solid, const struct separation_path *path)
+double zone_path_rounding(const struct contact_solid *solid, struct vec3 c)
 {
-    return 8.0 * DBL_EPSILON * (vec3_norm(path->c[0]) + solid->radius + solid->half_height);
+    return 8.0 * DBL_EPSILON * (vec3_norm(c) + solid->radius + solid->half_height);
 }
 
 /* Adds where the path crosses the cone rho = |offset + slope z| about the axis of the solid. */
@@ -31,14 +31,6 @@ static int add_cone(const struct contact_solid *solid, const struct separation_p
     return polynomial_add_sign_changes(&cone, places, count);
 }
 
-/* Returns a distance of the centre from edges of zones [m], positive within the zone. */
-typedef double zone_margin(const struct contact_solid *solid, struct vec3 c);
-
-static double whole_margin(const struct contact_solid *solid, struct vec3 c)
-{
-    return contact_zone_margin(solid, solid->zone, c);
-}
-
 /* Returns the distance of the centre from the outer edge of a side, a cap or the face of skew cylinders [m],
  * whatever the depth. */
 static double face_margin(const struct contact_solid *solid, struct vec3 c)
@@ -57,33 +49,34 @@ static double face_margin(const struct contact_solid *solid, struct vec3 c)
  * edge. One of five places is clear of the edge. */
 enum { CLEAR_PLACES = 5 };
 
-/* Whether the centre is outside the edge, by more than rounding, at the place between `from` and `to` that is
- * farthest from the edge. */
+/* Whether the centre is outside the edge of its face or zone, by more than rounding, at the place between
+ * `from` and `to` that is farthest from the edge. */
 static bool is_outside(const struct contact_solid *solid, const struct separation_path *path, double horizon,
-                       double from, double to, zone_margin *margin_of)
+                       double from, double to, bool face)
 {
     bool outside = false;
     double farthest = -1.0;
     for (int i = 1; i <= CLEAR_PLACES; ++i) {
         const double time = horizon * (from + (to - from) * i / (CLEAR_PLACES + 1));
-        const struct separation_path then = {.c = {path_at(path->c, SEPARATION_DEGREE + 1, time)}};
-        const double margin = margin_of(solid, then.c[0]);
+        const struct vec3 c = path_at(path->c, SEPARATION_DEGREE + 1, time);
+        const double margin = face ? face_margin(solid, c) : contact_zone_margin(solid, solid->zone, c);
         if (fabs(margin) > farthest) {
             farthest = fabs(margin);
-            outside = margin < -zone_path_rounding(solid, &then);
+            outside = margin < -zone_path_rounding(solid, c);
         }
     }
     return outside;
 }
 
-/* Returns the time of the first of the sorted places after which the centre is outside an edge [s]. */
+/* Returns the time of the first of the sorted places after which the centre is outside its face or zone
+ * [s]. */
 static double first_outside(const struct contact_solid *solid, const struct separation_path *path,
-                            double horizon, const double *places, int count, zone_margin *margin)
+                            double horizon, const double *places, int count, bool face)
 {
     double from = 0.0;
     for (int i = 0; i <= count; ++i) {
         const double to = i < count ? places[i] : 1.0;
-        if (to > from && is_outside(solid, path, horizon, from, to, margin)) {
+        if (to > from && is_outside(solid, path, horizon, from, to, face)) {
             return from * horizon;
         }
         from = to;
@@ -104,7 +97,7 @@ double zone_path_end(const struct contact_solid *solid, const struct separation_
     for (int end = -1; end <= 1; end += 2) { /* inside the solid a side and a cap are equally near there */
         count = add_cone(solid, path, horizon, r - h, end, places, count);
     }
-    return first_outside(solid, path, horizon, places, count, whole_margin);
+    return first_outside(solid, path, horizon, places, count, false);
 }
 
 double zone_path_leaves_face(const struct contact_solid *solid, const struct separation_path *path,
@@ -125,5 +118,5 @@ double zone_path_leaves_face(const struct contact_solid *solid, const struct sep
     } else {
         count = add_cone(solid, path, horizon, solid->radius, 0.0, places, count);
     }
-    return first_outside(solid, path, horizon, places, count, face_margin);
+    return first_outside(solid, path, horizon, places, count, true);
 }

@@ -8,8 +8,8 @@
 
 #include "flight/relative_path.h"
 
-/* Returns the rounding bound of the centre's distances from the edges [m]. */
-double zone_path_rounding(const struct contact_solid *solid, const struct separation_path *path);
+/* Returns the rounding bound of the distances of a centre c from the edges [m]. */
+double zone_path_rounding(const struct contact_solid *solid, struct vec3 c);
 
 /* Returns the time at which the path leaves the zone solid->zone of a capped cylinder [s]; INFINITY: not
  * within the horizon. */

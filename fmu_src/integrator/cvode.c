@@ -305,20 +305,9 @@ static int event_found(const struct cvode *c)
  * no quantity has two extrema within it. */
 static void note_peaks(struct cvode *c, struct scene_state *q, double to)
 {
-    const struct dense_output *any = NULL; /* of a contact in touch */
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        c->output[j].state = q;
-        any = q->contact[j].regime != REGIME_APART ? &c->output[j].output : any;
-    }
-    if (!any || !(to > q->clock)) {
-        return;
-    }
-    if (any->count == 0) {
-        scene_outputs_add(c->output, q->clock);
-    }
-    scene_outputs_add(c->output, to);
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+    for (int j = 0; to > q->clock && j < SCENE_CONTACTS; ++j) {
         if (q->contact[j].regime != REGIME_APART) {
+            c->output[j].state = q;
             scene_output_note_peaks(&c->output[j], q->clock, to, 1, &q->contact[j].peaks);
         }
     }

@@ -1449,7 +1449,8 @@ static void fly_others(const struct general *g, struct scene_state *q, double cl
     const double start = g->step.start;
     for (int i = 0; !g->ode.layout.is_whole && i < SCENE_BODIES; ++i) {
         if (body_is_free(v, i) && g->ode.layout.body[i] < 0) {
-            q->external_work += flight_work(q, i, flight_body_at(v, q, i, start), start, clock - start);
+            const struct vec3 velocity = flight_body_at(q, i, start).velocity;
+            q->external_work += flight_work(q, i, velocity, start, clock - start);
         }
         if (SCENE_ANY_ROTATION && body_turns_freely(v, i) && g->ode.layout.spin[i] < 0) {
             flight_turn(q, i, clock);

@@ -156,7 +156,7 @@ static void put_flown(void *unused, double clock, struct scene_state *q)
     (void)unused;
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_is_free(q->v, i)) {
-            q->body[i] = flight_body_at(q->v, q, i, clock);
+            q->body[i] = flight_body_at(q, i, clock);
         }
     }
 }
@@ -485,7 +485,7 @@ static void fly_bodies(struct scene_state *q, double time, double clock)
             flight_turn(q, i, clock);
         }
         if (SCENE_CONTACTS > 1 && body_is_free(q->v, i) && !body_is_loaded(q, i, -1)) {
-            q->external_work += flight_work(q, i, q->body[i], q->clock, time);
+            q->external_work += flight_work(q, i, q->body[i].velocity, q->clock, time);
         }
     }
 }

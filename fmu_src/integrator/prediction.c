@@ -60,25 +60,29 @@ static struct regime_change passage_of_end(const struct contact_shape *shape,
 /* Below this distance, in units of the path's scale, the direction of the normal is rounding. */
 static const double NO_DISTANCE = 1e-9;
 
+static struct root_bracket_end gap_along(const struct relative_path *path, double s)
+{
+    struct root_bracket_end end = {.s = s};
+    relative_path_gap(path, s, &end.value, &end.slope);
+    return end;
+}
+
 static bool is_at_centre(const struct relative_path *path, double s)
 {
-    double gap;
-    double slope;
-    relative_path_gap(path, s, &gap, &slope);
-    return path->side * gap + path->reach <= NO_DISTANCE;
+    return path->shape->side * gap_along(path, s).value + path->reach <= NO_DISTANCE;
 }
 
 /* Whether the distance falls to zero, within rounding, before the parameter `until` of the path. A source
  * that does not move, for example on the axis, passes no centre; its normal keeps its direction. */
-static bool path_passes_centre(const struct relative_path *path, const struct extremes *extremes,
+static bool path_passes_centre(const struct relative_path *path, const double *extremes, int count,
                                double until)
 {
-    if (path->degree == 0 || relative_path_is_flat(path)) {
+    if (path->degree == 0 || contact_is_plane(path->shape)) {
         return false;
     }
     bool passes = is_at_centre(path, 0.0) || is_at_centre(path, fmin(until, 1.0));
-    for (int i = 0; i < extremes->count && extremes->at[i] < until; ++i) {
-        passes = passes || is_at_centre(path, extremes->at[i]);
+    for (int i = 0; i < count && extremes[i] < until; ++i) {
+        passes = passes || is_at_centre(path, extremes[i]);
     }
     return passes;
 }
@@ -86,9 +90,9 @@ static bool path_passes_centre(const struct relative_path *path, const struct ex
 /* Whether the path is too short for the bodies to touch or for their centres to meet. */
 static bool path_keeps_away(const struct relative_path *path)
 {
-    const double start = relative_path_is_flat(path) ? path->c[0].x : vec3_norm(path->c[0]);
+    const double start = contact_is_plane(path->shape) ? path->c[0].x : vec3_norm(path->c[0]);
     const double length = path_size(path->c + 1, path->degree, 1.0);
-    if (path->side > 0) {
+    if (path->shape->side > 0) {
         return start - length > path->reach + NO_DISTANCE;
     }
     return start + length < path->reach - NO_DISTANCE && start - length > NO_DISTANCE;
@@ -96,17 +100,17 @@ static bool path_keeps_away(const struct relative_path *path)
 
 /* Returns the place s on the path at which the bodies first touch from the place `settle` on, or INFINITY.
  * Bodies whose gap is not above zero at `settle` touch there, unless the gap rises above zero first. */
-static double first_touch(const struct relative_path *path, const struct extremes *extremes, double settle)
+static double first_touch(const struct relative_path *path, const double *extremes, int count, double settle)
 {
-    struct root_bracket_end low = flight_gap_bracket_end(path, settle);
+    struct root_bracket_end low = gap_along(path, settle);
     double earliest = settle;
-    for (int i = 0; i <= extremes->count; ++i) {
-        const double s = i < extremes->count ? extremes->at[i] : 1.0;
+    for (int i = 0; i <= count; ++i) {
+        const double s = i < count ? extremes[i] : 1.0;
         if (!(s > low.s)) {
             continue;
         }
-        const struct root_bracket_end high = flight_gap_bracket_end(path, s);
-        const double middle = low.value > 0.0 ? 1.0 : flight_gap_bracket_end(path, 0.5 * (low.s + s)).value;
+        const struct root_bracket_end high = gap_along(path, s);
+        const double middle = low.value > 0.0 ? 1.0 : gap_along(path, 0.5 * (low.s + s)).value;
         if (middle > 0.0) {
             low.value = fmax(low.value, DBL_MIN);
             if (high.value < 0.0) {
@@ -172,10 +176,11 @@ static struct regime_change touch_in_flight(const struct scene_instant *at, cons
     const bool approaches = now->gap_rate < -rounding_of_rate(at, contact);
     const double settle = leaving_time(now->gap, approaches ? 0.0 : rounding,
                                        vec3_dot(now->normal, separation.c[1]), vec3_norm(separation.c[2]));
-    const struct extremes extremes = extremes_of(&path);
-    const double s = first_touch(&path, &extremes, fmin(fmax(dead_band, settle) / horizon, 1.0));
+    double extremes[POLYNOMIAL_MAX_DEGREE];
+    const int count = polynomial_sign_changes(&path.closing, extremes);
+    const double s = first_touch(&path, extremes, count, fmin(fmax(dead_band, settle) / horizon, 1.0));
     struct regime_change next = touch_at(s * horizon);
-    next.passes_centre = path_passes_centre(&path, &extremes, s);
+    next.passes_centre = path_passes_centre(&path, extremes, count, s);
     return next;
 }
 
@@ -203,7 +208,7 @@ static enum contact_regime regime_at_time(const struct advancement_path *path, c
                                           enum contact_regime present, double time)
 {
     struct advancement_instant at;
-    advancement_at(path, ADVANCEMENT_TOUCH, time, &at);
+    advancement_at(path, time, &at);
     const double gap = at.geometry.gap;
     const double rate = law_rate_at(path, &at, time);
     const enum contact_regime then =
@@ -226,7 +231,7 @@ static enum contact_regime regime_of_touch(const struct advancement_path *path, 
                                            double time)
 {
     struct advancement_instant at;
-    advancement_at(path, ADVANCEMENT_TOUCH, time, &at);
+    advancement_at(path, time, &at);
     return contact_regime_of(law, fmin(at.geometry.gap, -DBL_MIN), law_rate_at(path, &at, time), true);
 }
 
@@ -258,7 +263,7 @@ static void look_for_law(const struct advancement_path *from_now, const struct c
         if (then != present && then != REGIME_APART) {
             const double change = halve_to_regime(&path, law, present, before, time);
             struct advancement_instant at;
-            advancement_at(&path, ADVANCEMENT_TOUCH, change, &at);
+            advancement_at(&path, change, &at);
             found->next = (struct regime_change){change, then, at.geometry.gap, true};
             return;
         }
@@ -274,8 +279,7 @@ static struct prediction advancement_prediction(const struct scene_instant *at, 
     const struct contact_law law = scene_contact_law(at->q, contact);
     const struct advancement_path path = advancement_path_of(at, at->q->clock, contact);
     const bool apart = present == REGIME_APART;
-    const struct advancement_result change =
-        advancement_first(&path, apart ? ADVANCEMENT_TOUCH : ADVANCEMENT_PARTING, horizon, budget);
+    const struct advancement_result change = advancement_first(&path, horizon, budget);
     /* While the bodies are apart, n acts on nothing. */
     const struct regime_change next = {change.after, present, change.gap, .passes_centre = !apart};
     struct prediction found = {next, change.searched, change.evaluations};
@@ -308,9 +312,7 @@ struct separating {
 static enum contact_regime separating_at(const struct separating *f, double s, double *gap)
 {
     const double time = s * f->path.horizon;
-    double slope;
-    relative_path_gap(&f->path, s, gap, &slope);
-    *gap *= f->path.scale;
+    *gap = f->path.scale * gap_along(&f->path, s).value;
     const double rate = contact_geometry_at(&f->shape, path_at(f->separation.c, SEPARATION_DEGREE + 1, time),
                                             path_at(f->separation.w, SEPARATION_DEGREE, time), f->normal)
                             .gap_rate;
@@ -348,13 +350,14 @@ static struct regime_change separating_change(const struct scene_instant *at,
     f.left = at->q->clock == 0.0
                  ? fmax(-2.0 * contact_event(&f.law, REGIME_SEPARATING, now->gap, now->gap_rate), 0.0)
                  : 0.0;
-    const struct extremes extremes = extremes_of(&f.path);
+    double extremes[POLYNOMIAL_MAX_DEGREE];
+    const int count = polynomial_sign_changes(&f.path.closing, extremes);
     double from = 0.0;
     double before = 0.0;
     double gap;
-    for (int i = 0; i < (extremes.count + 1) * SEPARATING_PLACES; ++i) {
+    for (int i = 0; i < (count + 1) * SEPARATING_PLACES; ++i) {
         const int interval = i / SEPARATING_PLACES;
-        const double to = interval < extremes.count ? extremes.at[interval] : 1.0;
+        const double to = interval < count ? extremes[interval] : 1.0;
         double s = from + (to - from) * (1 + i % SEPARATING_PLACES) / SEPARATING_PLACES;
         if (separating_at(&f, s, &gap) != REGIME_SEPARATING) {
             for (double middle = 0.5 * (before + s); middle > before && middle < s;

@@ -50,8 +50,7 @@ struct panel {
     double sum[TERMS];      /* the integrals */
     double size[TERMS];     /* the integrals of the absolute terms of each integrand, for its rounding */
     double lever[TERMS];    /* the integrals of d integrand / d force */
-    double moved[OPPOSED];  /* the integrals of the lengths of the opposed motions [m, rad] */
-    double passed[OPPOSED]; /* the integrals of all terms whose difference the motion is, for its rounding */
+    double passed[OPPOSED]; /* the integrals of all terms whose difference an opposed motion is [m, rad] */
     double noise;           /* rounding of the force, the smaller of those at both ends [N] */
     double tilt;            /* rounding of n, the smaller of those at both ends [rad] */
     double depth;           /* penetration, the smaller of those at both ends [m] */
@@ -321,8 +320,7 @@ static bool put_spring(const struct span *s, int part, struct panel *panel)
     return solved;
 }
 
-/* Rounding error of a slip or a gap rate, divided by the speeds whose difference it is. A spring that sticks
- * integrates the error of the slip. */
+/* Rounding error of a slip or a gap rate, divided by the speeds whose difference it is. */
 static const double SPEED_ROUNDINGS = 8.0 * DBL_EPSILON;
 
 /* Returns the sum of the speeds of which the gap rate is a part: the relative velocity of the centres and the
@@ -358,18 +356,6 @@ static void put_events(const struct span *s, const struct scene_instant *at, dou
     }
 }
 
-/* Adds the opposed motions at an instant to their integrals; `speed` is the sum of the speeds whose
- * difference is the slip [m/s]. */
-static void add_motions(const struct span *s, const struct scene_instant *at, double weight, double speed,
-                        struct panel *panel)
-{
-    for (int k = 0; SCENE_ANY_TURNING && k < OPPOSED; ++k) {
-        const struct vec3 motion = turning_rubbing(&s->q->turning, at, s->contact, k).slip;
-        panel->moved[k] += weight * vec3_norm(motion);
-        panel->passed[k] += weight * (k == OPPOSED_SLIP ? speed : turning_spin_size(at, s->contact));
-    }
-}
-
 /* Computes a panel; false where Newton's method finds no spring because the panel is too long. The bodies'
  * motion is prescribed, so that no spring acts on another: they are solved one by one. */
 CONTACT_NOINLINE static bool panel_make(const struct span *s, double from, double to,
@@ -394,7 +380,10 @@ CONTACT_NOINLINE static bool panel_make(const struct span *s, double from, doubl
         double lever[TERMS];
         const double weight = length * panel_integral(PANEL_END, i);
         instant_at(s, node->clock, &node->springs, &at);
-        add_motions(s, &at, weight, rates_at(s, &at, rate, scale, lever), panel);
+        const double speed = rates_at(s, &at, rate, scale, lever);
+        for (int k = 0; SCENE_ANY_TURNING && k < OPPOSED; ++k) {
+            panel->passed[k] += weight * (k == OPPOSED_SLIP ? speed : turning_spin_size(&at, s->contact));
+        }
         for (int k = 0; k < TERMS; ++k) {
             panel->sum[k] += weight * rate[k];
             panel->size[k] += weight * scale[k];
@@ -493,21 +482,19 @@ static const double JUMPS_AGREE = 1e-14;
  * function so well shows its changes of sign at the nodes. */
 static const double EVENTS_AGREE = 1e-6;
 
-/* Whether a spring at the end of a panel and of its halves agrees, up to the rounding of the opposed motion,
- * of the normal force and of n. By a constant force L the spring changes by up to L / k_t, and not faster
- * than by L / c_t. */
+/* Whether a spring at the end of a panel and of its halves agrees, up to the rounding of the normal force and
+ * of n. By a constant force L the spring changes by up to L / k_t, and not faster than by L / c_t. */
 static bool springs_agree(const struct span *s, int part, const struct panel *whole, const struct panel *left,
                           const struct panel *right)
 {
     const struct friction_law law = scene_friction_law(s->q, s->contact, part);
     const struct vec3 spring = right->node[PANEL_END].springs.of[part];
-    const double way = vec3_norm(spring) + left->moved[part] + right->moved[part];
     const double length = whole->node[PANEL_END].clock - whole->node[0].clock;
     const double by_force = fmin(1.0 / friction_stiffness(&law, whole->depth), length / law.damping);
     const double noise = law.coefficient * fmin(left->noise, right->noise) * by_force +
                          vec3_norm(spring) * fmin(left->tilt, right->tilt);
     return vec3_norm(vec3_sub(spring, whole->node[PANEL_END].springs.of[part])) <=
-           4.0 * PANELS_AGREE * way + SPEED_ROUNDINGS * whole->passed[part] + noise;
+           4.0 * PANELS_AGREE * (vec3_norm(spring) + whole->passed[part]) + noise;
 }
 
 /* Whether a panel and its halves agree. Near the centre n may be mere rounding at one or both ends of the
@@ -739,20 +726,19 @@ static int zone_at(const struct span *s, double clock)
  * the curvature of the gap's path jumps at the edge of two. */
 static double zone_left(const struct span *s, double clock, double to)
 {
-    double before = 0.5 * (clock + to);
-    double after = to;
-    const int zone = zone_at(s, before);
-    if (zone_at(s, to) == zone) {
-        if (zone_at(s, clock) == zone) {
+    const int zone = zone_at(s, clock);
+    double before = clock;
+    double after = 0.5 * (clock + to);
+    if (zone_at(s, after) == zone) {
+        before = after;
+        after = to;
+        if (zone_at(s, to) == zone) {
             return to;
         }
-        after = before;
-        before = clock;
     }
-    const int from = zone_at(s, before);
     while (after - before > 4.0 * DBL_EPSILON * fabs(after)) {
         const double middle = 0.5 * (before + after);
-        *(zone_at(s, middle) == from ? &before : &after) = middle;
+        *(zone_at(s, middle) == zone ? &before : &after) = middle;
     }
     return before > clock ? after : to; /* a panel that begins at the edge has it behind itself */
 }
@@ -881,27 +867,25 @@ double prescribed_integrate(struct scene_state *q, double end, long *budget)
     struct span span[SCENE_CONTACTS];
     struct contact_peaks before[SCENE_CONTACTS];
     long panels = *budget < PRESCRIBED_PANELS ? *budget : PRESCRIBED_PANELS;
-    long anew = PRESCRIBED_PANELS;
-    long *left = &panels;
-    double reached = end;
     *budget -= panels;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         before[j] = q->contact[j].peaks;
-        span[j] = span_of(q, j, left);
+        span[j] = span_of(q, j, &panels);
     }
-    do {
-        end = reached;
-        for (int j = 0; j < SCENE_CONTACTS && !(reached < end); ++j) {
-            q->contact[j].peaks = before[j];
-            span[j] = span_of(q, j, left);
-            if (contact_is_prescribed(q->v, j) && q->contact[j].regime != (int32_t)REGIME_APART) {
-                reached = integrate_between(&span[j], start, end);
-                q->clock = start;
-            }
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (!contact_is_prescribed(q->v, j) || q->contact[j].regime == (int32_t)REGIME_APART) {
+            continue;
         }
-        left = &anew;
-        anew = PRESCRIBED_PANELS;
-    } while (reached < end);
+        const double reached = integrate_between(&span[j], start, end);
+        q->clock = start;
+        if (reached < end) {
+            long anew = PRESCRIBED_PANELS;
+            for (int k = 0; k < SCENE_CONTACTS; ++k) {
+                q->contact[k].peaks = before[k];
+            }
+            return prescribed_integrate(q, reached, &anew);
+        }
+    }
     *budget += panels;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         book_span(&span[j]);
@@ -925,9 +909,7 @@ static bool finds_change(const struct span *s, double clock, double end, double 
     }
     kinematics_at(s, clock, &at);
     const struct advancement_path path = advancement_path_of(&at, clock, s->contact);
-    const struct advancement_result found =
-        advancement_first(&path, regime_of(s) == REGIME_APART ? ADVANCEMENT_TOUCH : ADVANCEMENT_PARTING,
-                          end - clock, *s->evaluations);
+    const struct advancement_result found = advancement_first(&path, end - clock, *s->evaluations);
     *s->evaluations -= found.evaluations;
     *next = found.after < end - clock ? clock + found.after : end;
     return *next < end || !(found.searched < end - clock);

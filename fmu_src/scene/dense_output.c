@@ -5,11 +5,11 @@
 #include "scene/evaluate.h"
 #include "scene/scene_jet.h"
 
-/* An event function on a dense output, or one of its derivatives, as the argument of a root finder. */
+/* An event function on a dense output, or its slope, as the argument of a root finder. */
 struct probe {
     const struct dense_output *output;
     const struct event_function *what;
-    int order; /* of the derivative: 0, 1 or 2 */
+    int order; /* of the derivative: 0 or 1 */
 };
 
 double dense_output_worth_a_search(const struct scene_values *v)
@@ -32,38 +32,40 @@ const struct pair_sample *dense_output_at(struct dense_output *w, double s)
     return &w->latest;
 }
 
-/* Returns a derivative of an event function; order 0 gives the function itself. */
-static double term_of(const struct event_function *what, const struct pair_sample *at, int order)
+/* A place of a segment, and an event function there with its slope and its bend. */
+struct event_place {
+    double s, of[3];
+};
+
+static struct event_place event_place_of(const struct event_function *what, double s,
+                                         const struct pair_sample *at)
 {
-    const double term = what->factor * at->of[what->quantity][order];
-    return order == 0 ? term + what->offset : term;
+    const double *terms = at->of[what->quantity];
+    return (struct event_place){
+        s, {what->factor * terms[0] + what->offset, what->factor * terms[1], what->factor * terms[2]}};
 }
 
-/* Returns an end of a bracket: a derivative of an event function and its slope at a sample. The slope of the
- * second derivative is unknown; with zero, root_in_bracket bisects. */
-static struct root_bracket_end end_of(const struct event_function *what, int order, double s,
-                                      const struct pair_sample *at)
-{
-    return (struct root_bracket_end){s, term_of(what, at, order),
-                                     order < 2 ? term_of(what, at, order + 1) : 0.0};
-}
-
-/* Returns the end of a bracket at s. */
-static struct root_bracket_end end_at(const struct dense_output *w, const struct event_function *what,
-                                      int order, double s)
+static struct event_place event_place_at(const struct dense_output *w, const struct event_function *what,
+                                         double s)
 {
     struct pair_sample at;
     w->sampler(w->segment, s, &at);
-    return end_of(what, order, s, &at);
+    return event_place_of(what, s, &at);
+}
+
+/* Returns an end of a bracket for a root of the event function (order 0) or of its slope (order 1). */
+static struct root_bracket_end end_of(const struct event_place *place, int order)
+{
+    return (struct root_bracket_end){place->s, place->of[order], place->of[order + 1]};
 }
 
 /* Serves as a root_function. */
 static void probe_at(const void *data, double s, double *value, double *slope)
 {
     const struct probe *probe = data;
-    const struct root_bracket_end end = end_at(probe->output, probe->what, probe->order, s);
-    *value = end.value;
-    *slope = end.slope;
+    const struct event_place place = event_place_at(probe->output, probe->what, s);
+    *value = place.of[probe->order];
+    *slope = place.of[probe->order + 1];
 }
 
 /* Returns the s of the fall through zero between the samples i and i + 1: directly, by way of a minimum, or
@@ -72,14 +74,16 @@ static double fall_between(const struct dense_output *w, const struct event_func
 {
     const struct probe value = {w, what, 0};
     const struct probe slope = {w, what, 1};
-    struct root_bracket_end low = end_of(what, 0, w->s[i], &w->at[i]);
-    struct root_bracket_end high = end_of(what, 0, w->s[i + 1], &w->at[i + 1]);
+    const struct event_place at = event_place_of(what, w->s[i], &w->at[i]);
+    const struct event_place next = event_place_of(what, w->s[i + 1], &w->at[i + 1]);
+    struct root_bracket_end low = end_of(&at, 0);
+    struct root_bracket_end high = end_of(&next, 0);
     const bool dips = low.value > 0.0 && high.value > 0.0 && low.slope < 0.0 && high.slope > 0.0;
     const bool humps = low.value <= 0.0 && high.value <= 0.0 && low.slope > 0.0 && high.slope < 0.0;
     if (dips || humps) {
-        const double s = root_between(probe_at, &slope, end_of(what, 1, low.s, &w->at[i]),
-                                      end_of(what, 1, high.s, &w->at[i + 1]));
-        *(dips ? &high : &low) = end_at(w, what, 0, s);
+        const double s = root_between(probe_at, &slope, end_of(&at, 1), end_of(&next, 1));
+        const struct event_place extremum = event_place_at(w, what, s);
+        *(dips ? &high : &low) = end_of(&extremum, 0);
     }
     return low.value > 0.0 && high.value <= 0.0 ? root_between(probe_at, &value, low, high)
                                                 : (double)INFINITY;
@@ -89,8 +93,8 @@ static double fall_between(const struct dense_output *w, const struct event_func
  * gap rate at rest does, does not start below. */
 static bool starts_below(const struct dense_output *w, const struct event_function *what)
 {
-    const double first = term_of(what, &w->at[0], 0);
-    const double second = term_of(what, &w->at[1], 0);
+    const double first = event_place_of(what, w->s[0], &w->at[0]).of[0];
+    const double second = event_place_of(what, w->s[1], &w->at[1]).of[0];
     return fmax(first, second) <= 0.0 && fmin(first, second) < 0.0;
 }
 
@@ -106,40 +110,24 @@ double dense_output_first_event(const struct dense_output *w, const struct event
     return fall;
 }
 
-/* Whether a sample is itself the top, to rounding. */
-static bool is_top(const struct event_function *what, const struct pair_sample *at)
+/* Whether a place is itself the top, to rounding. */
+static bool is_top(const struct event_place *place)
 {
-    const double slope = term_of(what, at, 1);
-    return slope * slope <= -DBL_EPSILON * term_of(what, at, 2) * fabs(term_of(what, at, 0));
+    return place->of[1] * place->of[1] <= -DBL_EPSILON * place->of[2] * fabs(place->of[0]);
 }
 
 /* Whether a slope with an extremum between `low` and `high` stays clear of zero. The cubic through both ends
  * is taken where its linearly interpolated derivative is zero; its value there must exceed half of the
  * smaller end value. */
-static bool stays_clear(const struct root_bracket_end *low, const struct root_bracket_end *high)
+static bool stays_clear(const struct event_place *low, const struct event_place *high)
 {
     const double width = high->s - low->s;
-    const double t = low->slope / (low->slope - high->slope);
+    const double t = low->of[2] / (low->of[2] - high->of[2]);
     const double u = 1.0 - t;
-    const double between = u * u * ((1.0 + 2.0 * t) * low->value + t * width * low->slope) +
-                           t * t * ((1.0 + 2.0 * u) * high->value - u * width * high->slope);
-    const double least = 0.5 * fmin(fabs(low->value), fabs(high->value));
-    return low->value > 0.0 ? between > least : between < -least;
-}
-
-/* Whether there is a top between `low` and `high`, which hold slopes. Where the quantity rises or falls at
- * both ends, or rests at one, one end moves to the extremum of the slope. The slope then falls through zero
- * between the ends. */
-static bool brackets_top(const struct dense_output *w, const struct event_function *what,
-                         struct root_bracket_end *low, struct root_bracket_end *high)
-{
-    const struct probe bend = {w, what, 2};
-    const bool falls = low->value <= 0.0 && high->value < 0.0 && low->slope > 0.0 && high->slope < 0.0;
-    const bool rises = low->value > 0.0 && high->value >= 0.0 && low->slope < 0.0 && high->slope > 0.0;
-    if ((falls || rises) && !stays_clear(low, high)) {
-        *(falls ? low : high) = end_at(w, what, 1, root_in_bracket(probe_at, &bend, low->s, high->s));
-    }
-    return low->value > 0.0 && high->value < 0.0;
+    const double between = u * u * ((1.0 + 2.0 * t) * low->of[1] + t * width * low->of[2]) +
+                           t * t * ((1.0 + 2.0 * u) * high->of[1] - u * width * high->of[2]);
+    const double least = 0.5 * fmin(fabs(low->of[1]), fabs(high->of[1]));
+    return low->of[1] > 0.0 ? between > least : between < -least;
 }
 
 bool dense_output_is_larger(const struct dense_output *w, double value, double largest)
@@ -149,15 +137,13 @@ bool dense_output_is_larger(const struct dense_output *w, double value, double l
 
 /* Whether a top between two samples may exceed the largest value known. Where the quantity bends down at both
  * samples, the top lies below the crossing of the two tangents. */
-static bool may_be_larger(const struct dense_output *w, const struct event_function *what,
-                          const struct root_bracket_end *low, const struct root_bracket_end *high,
-                          const struct pair_sample *at, const struct pair_sample *next, double largest)
+static bool may_be_larger(const struct dense_output *w, const struct event_place *low,
+                          const struct event_place *high, double largest)
 {
     const double width = high->s - low->s;
-    const double rise = term_of(what, next, 0) - term_of(what, at, 0);
-    const double meet = (rise - high->value * width) / (low->value - high->value);
-    return !(low->slope < 0.0 && high->slope < 0.0) ||
-           dense_output_is_larger(w, term_of(what, at, 0) + low->value * meet, largest);
+    const double meet = (high->of[0] - low->of[0] - high->of[1] * width) / (low->of[1] - high->of[1]);
+    return !(low->of[2] < 0.0 && high->of[2] < 0.0) ||
+           dense_output_is_larger(w, low->of[0] + low->of[1] * meet, largest);
 }
 
 /* A double root of a slope is found to the square root of rounding. The slope there is below the first part
@@ -166,54 +152,58 @@ static const double SLOPE_AT_REST = 1e-9;
 static const double BEND_AT_REST = 1e-3;
 
 /* Whether a quantity that rises at `low` comes to rest at `high` without a bend, as the force does where a
- * prescribed body passes a rim along a tangent. Both ends hold slopes. */
-static bool rests_flat(const struct root_bracket_end *low, const struct root_bracket_end *high)
+ * prescribed body passes a rim along a tangent. */
+static bool rests_flat(const struct event_place *low, const struct event_place *high)
 {
-    return low->value > 0.0 && fabs(high->value) <= SLOPE_AT_REST * low->value &&
-           fabs(high->slope) * (high->s - low->s) <= BEND_AT_REST * low->value;
+    return low->of[1] > 0.0 && fabs(high->of[1]) <= SLOPE_AT_REST * low->of[1] &&
+           fabs(high->of[2]) * (high->s - low->s) <= BEND_AT_REST * low->of[1];
 }
 
-/* The search for a top before a double root halves the interval so often. It may miss a top that is nearer
- * to the root. The value at such a top exceeds the value at the root by 1e-11 of the rise at most, because
- * the excess goes with the cube of the distance. */
-enum { HALVINGS_TO_REST = 12 };
+/* The search for a slope of the other sign halves the interval so often. It may miss a top whose slope has
+ * the other sign on a shorter part of the interval. The value at such a top exceeds the values beside it by
+ * 1e-11 of the rise at most, because the excess goes with the cube of that part. */
+enum { HALVINGS_TO_TOP = 12 };
 
-/* Whether the quantity falls before it rests at `high`, where its slope then has a double root. The top lies
- * before `high`. Both ends hold slopes, and they move to both sides of the top. */
-static bool fell_before(const struct dense_output *w, const struct event_function *what,
-                        struct root_bracket_end *low, struct root_bracket_end *high)
+/* Whether there is a top between `low` and `high`. Where the quantity rises or falls at both ends, or comes
+ * to rest at `high`, the slope may have the other sign about its extremum between them. Then one end moves to
+ * a place where the slope has that sign, and the slope falls through zero between the ends. */
+static bool brackets_top(const struct dense_output *w, const struct event_function *what, bool rests,
+                         struct event_place *low, struct event_place *high)
 {
-    for (int i = 0; i < HALVINGS_TO_REST; ++i) {
-        const struct root_bracket_end middle = end_at(w, what, 1, 0.5 * (low->s + high->s));
-        *(middle.value < 0.0 ? high : low) = middle;
-        if (middle.value < 0.0) {
+    const bool falls = low->of[1] <= 0.0 && high->of[1] < 0.0 && low->of[2] > 0.0 && high->of[2] < 0.0;
+    const bool rises = low->of[1] > 0.0 && high->of[1] >= 0.0 && low->of[2] < 0.0 && high->of[2] > 0.0;
+    struct event_place from = *low;
+    struct event_place to = *high;
+    if (!falls && !rises && !rests) {
+        return low->of[1] > 0.0 && high->of[1] < 0.0;
+    }
+    for (int i = 0; i < HALVINGS_TO_TOP && (rests || !stays_clear(&from, &to)); ++i) {
+        const struct event_place middle = event_place_at(w, what, 0.5 * (from.s + to.s));
+        if (falls ? middle.of[1] > 0.0 : middle.of[1] < 0.0) {
+            *(falls ? low : high) = middle;
             return true;
         }
+        *((middle.of[2] > 0.0) == falls ? &from : &to) = middle;
     }
     return false;
 }
 
-/* Returns the larger of `largest` and of the top between the samples `at` and `next`, whose slopes are `low`
- * and `high`. */
+/* Returns the larger of `largest` and of the tops between two samples. */
 static double larger_between(const struct dense_output *w, const struct event_function *what,
-                             struct root_bracket_end low, struct root_bracket_end high,
-                             const struct pair_sample *at, const struct pair_sample *next, double largest)
+                             struct event_place low, struct event_place high, double largest)
 {
     const struct probe slope = {w, what, 1};
-    const bool turns = low.value > 0.0 && high.value < 0.0;
-    const bool flat = rests_flat(&low, &high);
-    if (turns && !flat &&
-        (is_top(what, at) || is_top(what, next) || !may_be_larger(w, what, &low, &high, at, next, largest))) {
+    bool rests = rests_flat(&low, &high);
+    if (!rests && low.of[1] > 0.0 && high.of[1] < 0.0 &&
+        (is_top(&low) || is_top(&high) || !may_be_larger(w, &low, &high, largest))) {
         return largest;
     }
-    bool found = flat ? fell_before(w, what, &low, &high) : brackets_top(w, what, &low, &high);
+    bool found = brackets_top(w, what, rests, &low, &high);
     for (int tops = 0; found && tops < 2; ++tops) { /* the second lies before a double root of the slope */
-        struct pair_sample top;
-        const double s = root_between(probe_at, &slope, low, high);
-        w->sampler(w->segment, s, &top);
-        largest = fmax(largest, term_of(what, &top, 0));
-        high = end_of(what, 1, s, &top);
-        found = rests_flat(&low, &high) && fell_before(w, what, &low, &high);
+        high = event_place_at(w, what, root_between(probe_at, &slope, end_of(&low, 1), end_of(&high, 1)));
+        largest = fmax(largest, high.of[0]);
+        rests = rests_flat(&low, &high);
+        found = rests && brackets_top(w, what, rests, &low, &high);
     }
     return largest;
 }
@@ -221,17 +211,17 @@ static double larger_between(const struct dense_output *w, const struct event_fu
 double dense_output_largest(const struct dense_output *w, const struct event_function *what,
                             const struct dense_range *range, double known)
 {
-    double largest = fmax(known, fmax(term_of(what, range->first, 0), term_of(what, range->last, 0)));
+    const double first = event_place_of(what, range->from, range->first).of[0];
+    double largest = fmax(known, fmax(first, event_place_of(what, range->to, range->last).of[0]));
     for (int i = 0; i + 1 < w->count && w->s[i] < range->to; ++i) {
         const bool begins = w->s[i] < range->from;
         const bool ends = w->s[i + 1] > range->to;
-        const struct pair_sample *at = begins ? range->first : &w->at[i];
-        const struct pair_sample *next = ends ? range->last : &w->at[i + 1];
-        const struct root_bracket_end low = end_of(what, 1, begins ? range->from : w->s[i], at);
-        const struct root_bracket_end high = end_of(what, 1, ends ? range->to : w->s[i + 1], next);
+        const struct event_place low =
+            event_place_of(what, begins ? range->from : w->s[i], begins ? range->first : &w->at[i]);
+        const struct event_place high =
+            event_place_of(what, ends ? range->to : w->s[i + 1], ends ? range->last : &w->at[i + 1]);
         if (low.s < high.s) {
-            largest = fmax(largest, term_of(what, next, 0));
-            largest = larger_between(w, what, low, high, at, next, largest);
+            largest = larger_between(w, what, low, high, fmax(largest, high.of[0]));
         }
     }
     return largest;
@@ -239,19 +229,6 @@ double dense_output_largest(const struct dense_output *w, const struct event_fun
 
 const struct event_function dense_output_force = {PAIR_FORCE, 1.0, 0.0};
 const struct event_function dense_output_penetration = {PAIR_GAP, -1.0, 0.0};
-
-/* Puts the scene at a clock, or only the contacts in `met`. */
-static void scene_at(const struct scene_output *o, double clock, const bool *met, struct scene_state *q,
-                     struct scene_instant *at)
-{
-    memcpy(q, o->state,
-           offsetof(struct scene_state, unfinished)); /* without the step, which is not looked at */
-    q->clock = clock;
-    if (o->move) {
-        o->move(o->mover, clock, q);
-    }
-    scene_evaluate(q, clock, q->body, &q->turning, met, at);
-}
 
 static void put_sample(const struct contact_jet *jet, struct pair_sample *sample)
 {
@@ -274,32 +251,17 @@ static void sample_scene(const void *output, double clock, struct pair_sample *s
     met[o->contact] = true;
     /* a contact of bodies whose motion is given depends on no other */
     const bool alone = SCENE_CONTACTS > 1 && contact_is_prescribed(o->state->v, o->contact);
-    scene_at(o, clock, alone ? met : NULL, &q, &at);
+    memcpy(&q, o->state, offsetof(struct scene_state, unfinished)); /* a sample does not look at that step */
+    q.clock = clock;
+    if (o->move) {
+        o->move(o->mover, clock, &q);
+    }
+    scene_evaluate(&q, clock, q.body, &q.turning, alone ? met : NULL, &at);
     jet_of_motion(&at, met, &along);
     put_sample(&along.contact[o->contact], sample);
     if (SCENE_ANY_CURVED && singularity_rate(&at, o->contact) != at.geometry[o->contact].gap_rate) {
         sample->of[PAIR_GAP][1] = singularity_rate(&at, o->contact);
         sample->of[PAIR_FORCE][0] = scene_outward_force(&at, o->contact);
-    }
-}
-
-void scene_outputs_add(struct scene_output *outputs, double clock)
-{
-    struct scene_state q;
-    struct scene_instant at;
-    struct scene_jet along;
-    bool met[SCENE_CONTACTS];
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        met[j] = outputs->state->contact[j].regime != (int32_t)REGIME_APART;
-    }
-    scene_at(outputs, clock, NULL, &q, &at);
-    jet_of_motion(&at, met, &along);
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        struct dense_output *w = &outputs[j].output;
-        if (met[j]) {
-            put_sample(&along.contact[j], &w->at[w->count]);
-            w->s[w->count++] = clock;
-        }
     }
 }
 

@@ -89,10 +89,6 @@ struct scene_output {
     struct dense_output output; /* its variable is the clock [s]; it is empty at the start */
 };
 
-/* Adds a sample at a clock to the outputs of all contacts in touch, one output for each contact of the
- * scene. */
-void scene_outputs_add(struct scene_output *outputs, double clock);
-
 /* Raises the peaks to the largest force and penetration up to the clock `to`, from the end of the last call
  * on; the first call starts at `from`. The caller chooses so many `parts` that no quantity has two extrema
  * within one. */

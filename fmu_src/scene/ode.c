@@ -431,7 +431,7 @@ void ode_other_motion(const struct scene_ode *ode, double clock, struct scene_in
     memcpy(bodies, ode->state->body, sizeof bodies);
     for (int i = 0; !ode->layout.is_whole && i < SCENE_BODIES; ++i) {
         if (ode->layout.body[i] < 0 && body_is_free(ode->values, i)) {
-            bodies[i] = ode->flight(ode->values, ode->state, i, clock);
+            bodies[i] = ode->flight(ode->state, i, clock);
         }
     }
     scene_place_bodies(ode->state, clock, bodies, &ode->state->turning, at);

@@ -100,8 +100,7 @@ struct scene_ode {
     const struct scene_state *state; /* regimes, paths; body states of bodies that fly */
     struct ode_layout layout;
     /* gives the motion of a body that y leaves out, at a clock; NULL: y leaves out none */
-    struct body_state (*flight)(const struct scene_values *v, const struct scene_state *q, int body,
-                                double clock);
+    struct body_state (*flight)(const struct scene_state *q, int body, double clock);
     double offset[SCENE_CONTACTS][ODE_EVENTS_EACH]; /* of the event functions, in their units */
     double energy_scale, momentum_scale;            /* sizes at the start of the phase [J], [N s] */
 };

@@ -246,11 +246,10 @@ static struct common_motion common_motion_of(const struct contact_pair *p, const
         common.velocity[1] = gravity(v);
     }
     for (int end = 0; inverse_mass > 0.0 && end < PAIR_BODIES; ++end) {
-        struct vec3 force[3];
-        flight_force(q, ends[end], q->clock, force);
+        const struct vec3 force = path_at(q->path[ends[end]].force, 3, q->clock);
         const double part = body_mass(v, ends[end]) * inverse_mass;
         common.velocity[0] = vec3_axpy(common.velocity[0], part, q->body[ends[end]].velocity);
-        common.velocity[1] = vec3_axpy(common.velocity[1], inverse_mass, force[0]);
+        common.velocity[1] = vec3_axpy(common.velocity[1], inverse_mass, force);
     }
     common.velocity[0] = coupled(p, common.velocity[0]);
     common.velocity[1] = coupled(p, common.velocity[1]);
@@ -262,25 +261,21 @@ static struct common_motion common_motion_of(const struct contact_pair *p, const
 static void move_head_on(const struct contact_pair *p, const struct pair_change *change,
                          struct scene_state *q, int body, double share, const struct common_motion *common)
 {
-    struct vec3 force[3];
-    struct vec3 velocity[FLIGHT_TERMS];
     struct body_state *state = &q->body[body];
     const double side = p->shape.side;
-    flight_force(q, body, q->clock, force);
-    const int terms = flight_velocity(q->v, body, state->velocity, force, velocity);
-    for (int i = 0; i < terms; ++i) {
-        velocity[i] = aside(p, velocity[i]);
+    struct free_flight f = free_flight_of(q, body, q->clock, state->velocity);
+    for (int i = 0; i < f.terms; ++i) {
+        f.velocity[i] = aside(p, f.velocity[i]);
     }
     const struct vec3 apart = vec3_axpy(p->rounded, side * (change->gap - p->gap), p->normal);
     const struct vec3 moved = vec3_axpy(flight_displacement(common->velocity, 2, change->time), share, apart);
-    if (!path_rests(force)) {
-        q->external_work +=
-            flight_work_along(velocity, terms, force, change->time) + vec3_dot(force[0], moved);
+    if (!path_rests(f.force)) {
+        q->external_work += flight_work_along(&f, change->time) + vec3_dot(f.force[0], moved);
     }
-    const struct vec3 flown = aside(p, flight_displacement(velocity, terms, change->time));
+    const struct vec3 flown = aside(p, flight_displacement(f.velocity, f.terms, change->time));
     const struct vec3 together = path_at(common->velocity, 2, change->time);
     state->moved = vec3_add(state->moved, vec3_add(flown, moved));
-    state->velocity = vec3_add(aside(p, path_at(velocity, terms, change->time)),
+    state->velocity = vec3_add(aside(p, path_at(f.velocity, f.terms, change->time)),
                                vec3_axpy(together, share * side * change->gap_rate, p->normal));
 }
 

@@ -965,7 +965,7 @@ static double end_of_rim_by(const struct segment *p, enum pair_quantity quantity
 static double end_at_rim(const struct segment *p)
 {
     const struct contact_solid *solid = &p->pair.shape.solid;
-    const double rounding = zone_path_rounding(solid, &p->pair.flight);
+    const double rounding = zone_path_rounding(solid, p->pair.flight.c[0]);
     const struct solid_place place = contact_place_at(solid, p->pair.flight.c[0]);
     return fmin(end_of_rim_by(p, PAIR_RADIAL, place.radial, rounding),
                 end_of_rim_by(p, PAIR_AXIAL, place.axial, rounding));
@@ -984,7 +984,7 @@ static struct face_path face_path_of(const struct segment *p)
     if (p->pair.starts_rounded) { /* leave_centre (pair.c) has set C(0) without its part along the axis */
         path.flight.c[0] = vec3_axpy(path.flight.c[0], p->pair.axial, p->pair.shape.axis);
     }
-    path.raised = zone_path_rounding(&p->pair.shape.solid, &path.flight);
+    path.raised = zone_path_rounding(&p->pair.shape.solid, path.flight.c[0]);
     return path;
 }
 
