@@ -374,16 +374,6 @@ static uint8_t *changed_marks(struct model *m, const struct variable *variable)
     return &m->state.marks[variable->element][index];
 }
 
-const struct variable *variable_of_row(int row, int element)
-{
-    for (const struct variable *one = scene_variables; one < scene_variables + scene_variable_count; ++one) {
-        if (one->row == row && one->element >= element) {
-            return one;
-        }
-    }
-    return NULL;
-}
-
 double variable_value(const struct variable *variable, const struct scene_values *values)
 {
     const char *at = (const char *)values + variable->offset;
@@ -473,21 +463,17 @@ enum model_status model_refuse_turn(const struct model *m, enum model_status sta
 {
     const char *of = scene_body_name(body);
     const char *follows = status == MODEL_DISCARD ? " and is not in force" : "";
-    if (strstr(name, "velocity") != NULL) {
-        return model_report(m, status,
-                            "%s.%s would tilt %s.axis%s: a cylinder that touches a cylinder turns about its "
-                            "own axis (allowed: multiples of the axis).",
-                            of, name, of, follows);
-    }
-    return strstr(name, "orientation") != NULL
-               ? model_report(m, status,
-                              "%s.%s[1..4] = 0, 0, 0, 0 is no rotation%s (allowed: at least one component "
-                              "other than zero).",
-                              of, name, follows)
-               : model_report(m, status,
-                              "%s.%s[1], %s.%s[2], %s.%s[3] = 0, 0, 0 has no direction%s (allowed: at least "
-                              "one component other than zero).",
-                              of, name, of, name, of, name, follows);
+    return strstr(name, "velocity") != NULL
+               ? model_report(
+                     m, status,
+                     "%s.%s would tilt %s.axis%s: a cylinder that touches a cylinder turns about its "
+                     "own axis (allowed: multiples of the axis).",
+                     of, name, of, follows)
+               : model_report(
+                     m, status,
+                     "%s.%s is zero, which has no direction%s (allowed: at least one component other "
+                     "than zero).",
+                     of, name, follows);
 }
 
 enum model_status model_refuse_inputs(const struct model *m)

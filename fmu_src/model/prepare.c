@@ -11,34 +11,18 @@
 /* Relative rounding of a sum of moments of inertia, which equals the third one of a flat body. */
 static const double INERTIA_ROUNDING = 1e-12;
 
-/* Checks the moments of inertia of a freely turning body. If the density is nowhere negative, the transverse
- * moment is at least half of the axial one. */
+/* Checks the principal moments of inertia of a compound that turns freely. */
 static enum model_status check_inertia(struct model *m, int body)
 {
-    const struct scene_values *v = &m->state.values;
-    const char *name = scene_body_name(body);
-    const bool tilts = body_tips(v, body);
-    if (body_inertia_control(v, body) == INERTIA_CONTROL_AUTOMATIC) {
-        return MODEL_OK;
-    }
-    if (body_is_compound(body)) {
-        const struct vec3 of = body_principal_inertia(v, body);
-        const double largest = vec3_max_abs(of);
-        return largest <= (of.x + of.y + of.z - largest) * (1.0 + INERTIA_ROUNDING)
-                   ? MODEL_OK
-                   : model_report(m, MODEL_ERROR,
-                                  "%s.principal_inertia = (%g, %g, %g) kg m^2 contradicts itself: no body "
-                                  "has one larger than the sum of the others (allowed: at most that sum).",
-                                  name, of.x, of.y, of.z);
-    }
-    const double axial = body_axial_inertia(v, body);
-    const double transverse = body_transverse_inertia(v, body);
-    return !tilts || transverse >= 0.5 * axial
+    const struct vec3 of = body_principal_inertia(&m->state.values, body);
+    const double largest = vec3_max_abs(of);
+    return largest <= (of.x + of.y + of.z - largest) * (1.0 + INERTIA_ROUNDING)
                ? MODEL_OK
-               : model_report(m, MODEL_ERROR,
-                              "%s.transverse_inertia = %s kg m^2 contradicts %s.axial_inertia = %s kg m^2: "
-                              "no body has so little (allowed: half of axial_inertia at least).",
-                              name, shortest_digits(transverse).text, name, shortest_digits(axial).text);
+               : model_report(
+                     m, MODEL_ERROR,
+                     "%s.principal_inertia = (%g, %g, %g) kg m^2 contradicts itself: no body has one "
+                     "larger than the sum of the others (allowed: at most that sum).",
+                     scene_body_name(body), of.x, of.y, of.z);
 }
 
 static enum model_status check_rotation(struct model *m, int body)
@@ -55,24 +39,7 @@ static enum model_status check_rotation(struct model *m, int body)
     if (unfit != NULL) {
         return model_refuse_turn(m, MODEL_ERROR, body, unfit);
     }
-    return SCENE_ANY_FREE_ROTATION && turns ? check_inertia(m, body) : MODEL_OK;
-}
-
-/* Checks that the static coefficient of elastic friction is not below the sliding one. */
-static enum model_status check_friction(struct model *m, int contact)
-{
-    const struct scene_values *v = &m->state.values;
-    const char *name = scene_contact_name(contact);
-    const double coefficient = contact_friction_coefficient(v, contact);
-    const double static_coefficient = contact_static_friction_coefficient(v, contact);
-    if (contact_has_spring(v, contact, OPPOSED_SLIP) && static_coefficient < coefficient) {
-        return model_report(m, MODEL_ERROR,
-                            "%s.static_friction_coefficient = %s contradicts %s.friction_coefficient = %s "
-                            "(allowed: one that is not smaller).",
-                            name, shortest_digits(static_coefficient).text, name,
-                            shortest_digits(coefficient).text);
-    }
-    return MODEL_OK;
+    return turns && body_is_compound(body) ? check_inertia(m, body) : MODEL_OK;
 }
 
 /* Least sine of the angle between skew axes. The place of contact keeps ten digits beyond it. */
@@ -120,8 +87,8 @@ static enum model_status check_axes(struct model *m, int contact)
                         names[0], axis.x, axis.y, axis.z, names[1], scene_contact_name(contact), names[1]);
 }
 
-/* Checks that a torus has a hole, and that a source that may touch it from within passes through: where one
- * touches all round no point is the nearest. */
+/* Checks that a source that may touch a torus from within passes through its hole: where one touches all
+ * round no point is the nearest. */
 static enum model_status check_ring(struct model *m, int contact, double r_s, double r_d)
 {
     const struct scene_values *v = &m->state.values;
@@ -129,12 +96,6 @@ static enum model_status check_ring(struct model *m, int contact, double r_s, do
     const double ring = body_ring_radius(v, body);
     const char *name = scene_body_name(body);
     const char *source = scene_body_name(contact_source(contact));
-    if (r_d >= ring) {
-        return model_report(m, MODEL_ERROR,
-                            "%s.radius = %s m contradicts %s.ring_radius = %s m: a torus has a hole "
-                            "(allowed: a tube with a smaller radius than the ring).",
-                            name, shortest_digits(r_d).text, name, shortest_digits(ring).text);
-    }
     const bool may_fill = contact_location(v, contact) != LOCATION_INSIDE &&
                           body_side(v, body) != TUBE_SIDE_OUTER_RACE && r_s + r_d >= ring;
     return !may_fill
@@ -160,12 +121,9 @@ static enum model_status check_contact(struct model *m, int contact)
                             "a source smaller than its hollow destination).",
                             name, source, shortest_digits(r_s).text, destination, shortest_digits(r_d).text);
     }
-    enum model_status status = MODEL_OK;
-    if (SCENE_ANY_TORUS && body_shape(contact_destination(contact)) == SHAPE_TORUS) {
-        status = check_ring(m, contact, r_s, r_d);
-    }
-    status = SCENE_ANY_AXIS && status == MODEL_OK ? check_axes(m, contact) : status;
-    return status == MODEL_OK ? check_friction(m, contact) : status;
+    const bool is_torus = SCENE_ANY_TORUS && body_shape(contact_destination(contact)) == SHAPE_TORUS;
+    const enum model_status status = is_torus ? check_ring(m, contact, r_s, r_d) : MODEL_OK;
+    return SCENE_ANY_AXIS && status == MODEL_OK ? check_axes(m, contact) : status;
 }
 
 /* Checks that a contact's factors are finite, as products of finite parameters need not be. */
@@ -265,59 +223,6 @@ static enum model_status warn_of_conforming(struct model *m)
     return status;
 }
 
-/* Whether a condition holds for a body or contact. Sets *first to the first body or contact whose choice
- * counts for it. */
-static bool condition_holds(const struct scene_values *v, const struct scene_use *use, int element,
-                            int *first)
-{
-    *first = use->whose == USE_OF_SOURCE        ? contact_source(element)
-             : use->whose == USE_OF_DESTINATION ? contact_destination(element)
-             : use->whose == USE_OF_ANY         ? 0
-                                                : element;
-    const int last = use->whose == USE_OF_ANY ? use->owners : *first + 1;
-    for (int i = *first; i < last; ++i) {
-        if ((1 << scene_choice(v, use->choice, i)) & use->items) {
-            return true;
-        }
-    }
-    return false;
-}
-
-/* Bytes for the choices that a message names. */
-enum { REMEDY_SIZE = 200 };
-
-/* Whether nothing reads a parameter. `remedy` then names the choices by which something would read it, as
- * "contact.friction = elastic and ...", for the alternative with the fewest missing conditions. */
-static bool is_idle(const struct scene_values *v, const struct variable *variable, char *remedy)
-{
-    int least = 0;
-    const struct scene_use *next = NULL; /* alternative */
-    for (const struct scene_use *use = scene_uses; use->row != ROW_COUNT; use = next) {
-        char found[REMEDY_SIZE];
-        size_t used = 0;
-        int missing = 0;
-        int first = 0;
-        for (next = use; next->row == use->row && next->alternative == use->alternative; ++next) {
-            if (use->row != variable->row || condition_holds(v, next, variable->element, &first)) {
-                continue;
-            }
-            const struct variable *choice = variable_of_row(next->choice, first);
-            const int length = snprintf(found + used, REMEDY_SIZE - used, "%s%s = %s",
-                                        missing > 0 ? " and " : "", choice ? choice->name : "", next->wanted);
-            used = length > 0 && used + (size_t)length < REMEDY_SIZE ? used + (size_t)length : used;
-            missing += 1;
-        }
-        if (use->row == variable->row && missing == 0) {
-            return false;
-        }
-        if (missing > 0 && (least == 0 || missing < least)) {
-            least = missing;
-            memcpy(remedy, found, sizeof found);
-        }
-    }
-    return least > 0;
-}
-
 /*
  * A user may have meant a parameter to take effect that nothing reads. A parameter counts as set when it
  * differs from its start value: some importers set every parameter to its start value, and a warning for each
@@ -334,23 +239,24 @@ void model_warn_of_idle(struct model *m)
     for (int i = 0; i < scene_variable_count; ++i) {
         const struct variable *variable = &scene_variables[i];
         const double value = variable_value(variable, &m->state.values);
-        char remedy[REMEDY_SIZE];
-        if (variable->causality != VARIABLE_PARAMETER || value == variable_value(variable, &start) ||
-            (warned && warned->row == variable->row && warned->element == variable->element) ||
-            !is_idle(&m->state.values, variable, remedy)) {
+        const char *choices = scene_idle(&m->state.values, i);
+        if (!choices || value == variable_value(variable, &start) ||
+            (warned && warned->row == variable->row && warned->element == variable->element)) {
             continue;
         }
         warned = variable; /* one warning for the three components of a vector */
         model_report(m, MODEL_WARNING, "%s = %s was set and is not in force: nothing reads it unless %s.",
-                     variable->name, shortest_digits(value).text, remedy);
+                     variable->name, shortest_digits(value).text, choices);
     }
 }
 
 enum model_status model_check_consistency(struct model *m)
 {
-    const char *refusal = scene_refusal(&m->state.values);
+    double numbers[2] = {0.0, 0.0};
+    const char *refusal = scene_refusal(&m->state.values, numbers);
     if (refusal) {
-        return model_report(m, MODEL_ERROR, "%s", refusal);
+        return model_report(m, MODEL_ERROR, refusal, shortest_digits(numbers[0]).text,
+                            shortest_digits(numbers[1]).text);
     }
     if (SCENE_ANY_ROTATION) {
         for (int i = 0; i < SCENE_BODIES; ++i) {

@@ -1,6 +1,7 @@
 """Which variables a scene has, and the start or constant value of every parameter and input."""
 
 import math
+import re
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -12,7 +13,22 @@ from .errors import allowed
 from .quantity import in_unit
 from .scene import Scene
 
+# `unless` of what is refused: a number, how it must compare, a factor, and the other number
+UNLESS = re.compile(r"(\S+) (>=?) (?:([\d.]+) )?(\S+)")
 MOST_VARIABLES = 65535  # positions in the C table are 16 bits
+
+
+@dataclass(frozen=True)
+class Relation:
+    """What must hold of two numbers: the first > or >= factor times the second"""
+
+    cells: tuple[Cell, ...]
+    relation: str
+    factor: float
+
+    def fails(self) -> bool:
+        first, second = (cell.value for cell in self.cells)
+        return not (first > self.factor * second or (self.relation == ">=" and first == self.factor * second))
 
 
 @dataclass(frozen=True)
@@ -47,7 +63,7 @@ class Resolved:
 
     def refusals(self):
         """Parameters that may contradict each other, as far as they are not pinned otherwise: cells with the
-        values in question, and the message."""
+        values in question, what must hold of two numbers beside them (None: nothing), and the message."""
         conditions = Conditions(self.cells, {}, self.scene)
         for cell in self.cells:
             for refused in cell.row.refused:
@@ -56,9 +72,15 @@ class Resolved:
                     for other in conditions.choices(key, cell):
                         numbers = {number_of(other.row, item) for item in items} - {None}
                         choices.append((other, numbers if other.open else numbers & {other.value}))
-                if len(choices) == len(refused["if"]) and all(numbers for _, numbers in choices):
+                unless = None
+                if "unless" in refused:
+                    first, relation, factor, second = UNLESS.fullmatch(refused["unless"]).groups()
+                    of = [one for key in (first, second) for one in conditions.choices(key, cell)]
+                    unless = Relation(tuple(of), relation, float(factor or 1.0))
+                is_there = unless is None or len(unless.cells) == 2
+                if is_there and len(choices) == len(refused["if"]) and all(numbers for _, numbers in choices):
                     names = _names(self.scene, cell.row, cell.element)
-                    yield choices, refused["text"].format(**names)
+                    yield choices, unless, refused["text"].format(**names)
 
     def in_role(self, role: str) -> list["Variable"]:
         """States, their rates or event indicators, in the order of modelDescription.xml."""

@@ -18,9 +18,10 @@ DEEP = 0.1
 def check_start(resolved: Resolved) -> list[str]:
     """Raises InputError for what no FMU would accept; returns warnings, one line each."""
     start = Start(resolved)
-    for choices, text in resolved.refusals():
-        if all(cell.value in numbers for cell, numbers in choices):
-            raise resolved.scene.error(text)
+    for choices, unless, text in resolved.refusals():
+        if all(cell.value in numbers for cell, numbers in choices) and (unless is None or unless.fails()):
+            numbers = tuple(shortest(cell.value) for cell in unless.cells) if unless else ()
+            raise resolved.scene.error(text % numbers)
     for body, one in enumerate(resolved.scene.bodies):
         start.check_orientation(body) if one.parts else None
     for index, contact in enumerate(resolved.scene.contacts):
