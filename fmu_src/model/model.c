@@ -33,17 +33,6 @@ void model_reset(struct model *m)
     m->outputs = OUTPUTS_NONE;
 }
 
-/* Returns the variable solver.relative_tolerance; NULL: the scene has none. */
-static const struct variable *find_tolerance(void)
-{
-    for (int i = 0; i < scene_variable_count; ++i) {
-        if (scene_variables[i].row == ROW_solver_relative_tolerance) {
-            return &scene_variables[i];
-        }
-    }
-    return NULL;
-}
-
 enum model_status model_setup(struct model *m, bool tolerance_defined, double tolerance, double start_time)
 {
     enum model_status status = MODEL_OK;
@@ -51,7 +40,7 @@ enum model_status model_setup(struct model *m, bool tolerance_defined, double to
         return model_report(m, MODEL_ERROR, "The tolerance %s is refused (allowed: positive finite numbers).",
                             shortest_digits(tolerance).text);
     }
-    const struct variable *row = find_tolerance();
+    const struct variable *row = scene_tolerance;
     m->state.importer_tolerance = tolerance_defined && row ? fmin(fmax(tolerance, row->min), row->max) : 0.0;
     if (tolerance_defined && row && m->state.importer_tolerance != tolerance) {
         status = model_report(

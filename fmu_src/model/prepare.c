@@ -45,24 +45,6 @@ static enum model_status check_rotation(struct model *m, int body)
 /* Least sine of the angle between skew axes. The place of contact keeps ten digits beyond it. */
 static const double LEAST_SKEW = 1e-6;
 
-/* Checks that the axes of cylinders with skew axes are not nearly parallel. */
-static enum model_status check_skew(struct model *m, int contact)
-{
-    const struct scene_values *v = &m->state.values;
-    const char *name = scene_contact_name(contact);
-    const int source = contact_source(contact);
-    const int destination = contact_destination(contact);
-    const double sine = vec3_norm(vec3_cross(body_unit_axis(v, source), body_unit_axis(v, destination)));
-    const struct vec3 axis = body_axis(v, destination);
-    return sine >= LEAST_SKEW
-               ? MODEL_OK
-               : model_report(m, MODEL_ERROR,
-                              "%s.axis = (%g, %g, %g) contradicts %s.axes = skew: it is parallel to %s.axis, "
-                              "to an angle of %g rad (allowed: 1e-6 rad at least, or axes = parallel).",
-                              scene_body_name(destination), axis.x, axis.y, axis.z, name,
-                              scene_body_name(source), sine);
-}
-
 /* Checks that axes have directions, and that those of two cylinders are parallel, or skew by choice. */
 static enum model_status check_axes(struct model *m, int contact)
 {
@@ -73,18 +55,27 @@ static enum model_status check_axes(struct model *m, int contact)
             return model_refuse_turn(m, MODEL_ERROR, bodies[i], "axis");
         }
     }
-    if (contact_has_skew_axes(v, contact)) {
-        return check_skew(m, contact);
-    }
-    if (!SCENE_ANY_KEPT_AXIS || !model_tilts_axis(v, bodies[1], body_axis(v, bodies[0]))) {
-        return MODEL_OK;
-    }
     const char *names[] = {scene_body_name(bodies[0]), scene_body_name(bodies[1])};
     const struct vec3 axis = body_axis(v, bodies[0]);
-    return model_report(m, MODEL_ERROR,
-                        "%s.axis = (%g, %g, %g) contradicts %s.axis: contact of two cylinders takes parallel "
-                        "axes where %s.axes is parallel (allowed: multiples of %s.axis, or axes = skew).",
-                        names[0], axis.x, axis.y, axis.z, names[1], scene_contact_name(contact), names[1]);
+    if (contact_has_skew_axes(v, contact)) {
+        const double sine = vec3_norm(vec3_cross(body_unit_axis(v, bodies[0]), body_unit_axis(v, bodies[1])));
+        return sine >= LEAST_SKEW
+                   ? MODEL_OK
+                   : model_report(m, MODEL_ERROR,
+                                  "%s.axis = (%g, %g, %g) contradicts %s.axes = skew: it is parallel to "
+                                  "%s.axis, to an angle of %g rad (allowed: 1e-6 rad at least, or axes = "
+                                  "parallel).",
+                                  names[0], axis.x, axis.y, axis.z, scene_contact_name(contact), names[1],
+                                  sine);
+    }
+    return !SCENE_ANY_KEPT_AXIS || !model_tilts_axis(v, bodies[1], axis)
+               ? MODEL_OK
+               : model_report(m, MODEL_ERROR,
+                              "%s.axis = (%g, %g, %g) contradicts %s.axis: contact of two cylinders takes "
+                              "parallel axes where %s.axes is parallel (allowed: multiples of %s.axis, or "
+                              "axes = skew).",
+                              names[0], axis.x, axis.y, axis.z, names[1], scene_contact_name(contact),
+                              names[1]);
 }
 
 /* Checks that a source that may touch a torus from within passes through its hole: where one touches all
@@ -129,24 +120,25 @@ static enum model_status check_contact(struct model *m, int contact)
 /* Checks that a contact's factors are finite, as products of finite parameters need not be. */
 static enum model_status check_factors(struct model *m, int contact)
 {
-    const struct contact_state *state = &m->state.motion.contact[contact];
-    if (isfinite(state->parameters.factors.k) && isfinite(state->parameters.factors.c)) {
+    const struct scene_values *v = &m->state.values;
+    const struct contact_parameters *at = &m->state.motion.contact[contact].parameters;
+    const char *name = scene_contact_name(contact);
+    if (isfinite(at->factors.k) && isfinite(at->factors.c)) {
         return MODEL_OK;
     }
-    const char *name = scene_contact_name(contact);
-    if (scene_is_hertz(&m->state.values, contact)) {
-        return model_report(m, MODEL_ERROR,
-                            "Hertz's factors of %s are not finite: k_h = %g N/m^1.5, chi = %g s/m (allowed: "
-                            "finite products of moduli, radii and times).",
-                            name, state->parameters.factors.k, state->parameters.factors.c);
-    }
-    return model_report(m, MODEL_ERROR,
-                        "The automatic penalty factors of %s are not finite: p_n = %g N/m, p_nv = %g N s/m "
-                        "from %s.penalty_multiplier = %g, %s.reference_modulus = %g Pa, diagonal = %g m "
-                        "(allowed: finite products).",
-                        name, state->parameters.factors.k, state->parameters.factors.c, name,
-                        contact_penalty_multiplier(&m->state.values, contact), name,
-                        contact_reference_modulus(&m->state.values, contact), state->parameters.diagonal);
+    return scene_is_hertz(v, contact)
+               ? model_report(
+                     m, MODEL_ERROR,
+                     "Hertz's factors of %s are not finite: k_h = %g N/m^1.5, chi = %g s/m (allowed: "
+                     "finite products of moduli, radii and times).",
+                     name, at->factors.k, at->factors.c)
+               : model_report(m, MODEL_ERROR,
+                              "The automatic penalty factors of %s are not finite: p_n = %g N/m, p_nv = %g N "
+                              "s/m from %s.penalty_multiplier = %g, %s.reference_modulus = %g Pa, diagonal = "
+                              "%g m (allowed: finite products).",
+                              name, at->factors.k, at->factors.c, name,
+                              contact_penalty_multiplier(v, contact), name,
+                              contact_reference_modulus(v, contact), at->diagonal);
 }
 
 /* The penetration at the start divided by the smaller radius, above which the model warns. A penalty
@@ -258,25 +250,20 @@ enum model_status model_check_consistency(struct model *m)
         return model_report(m, MODEL_ERROR, refusal, shortest_digits(numbers[0]).text,
                             shortest_digits(numbers[1]).text);
     }
-    if (SCENE_ANY_ROTATION) {
-        for (int i = 0; i < SCENE_BODIES; ++i) {
-            const enum model_status status = check_rotation(m, i);
-            if (status != MODEL_OK) {
-                return status;
-            }
-        }
+    enum model_status status = MODEL_OK;
+    for (int i = 0; SCENE_ANY_ROTATION && i < SCENE_BODIES && status == MODEL_OK; ++i) {
+        status = check_rotation(m, i);
     }
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        enum model_status status = check_contact(m, j);
-        if (status == MODEL_OK) {
-            model_prepare(m);
-            status = check_factors(m, j);
-        }
-        if (status != MODEL_OK) {
-            return status;
-        }
+    for (int j = 0; j < SCENE_CONTACTS && status == MODEL_OK; ++j) {
+        status = check_contact(m, j);
     }
-    const enum model_status status = check_start(m);
+    if (status == MODEL_OK) {
+        model_prepare(m);
+    }
+    for (int j = 0; j < SCENE_CONTACTS && status == MODEL_OK; ++j) {
+        status = check_factors(m, j);
+    }
+    status = status == MODEL_OK ? check_start(m) : status;
     return status == MODEL_OK ? warn_of_conforming(m) : status;
 }
 
@@ -299,40 +286,21 @@ static void put_half_extents(const struct scene_values *v, int body, double radi
     }
 }
 
-/* Returns the place of the destination of a contact relative to the source at the start [m], or of the parts
- * of compounds that meet. A common offset of the bodies thus costs no digits. */
-static struct vec3 start_separation(const struct scene_state *q, int contact)
-{
-    const int from = contact_source(contact);
-    const int to = contact_destination(contact);
-    const struct vec3 apart = vec3_sub(body_center(q->v, to), body_center(q->v, from));
-    struct vec3 moved = vec3_sub(scene_body_now(q, to).displacement, scene_body_now(q, from).displacement);
-    if (SCENE_ANY_COMPOUND) {
-        const struct vec3 start =
-            quaternion_rotate(q->turn_origin[from].orientation, contact_source_part(contact));
-        const struct vec3 end =
-            quaternion_rotate(q->turn_origin[to].orientation, contact_destination_part(contact));
-        moved = vec3_add(moved, vec3_sub(end, start));
-    }
-    return vec3_add(apart, moved);
-}
-
-/* Returns the diagonal [m] of the smallest axis-aligned box around both bodies of a contact at the start; it
- * scales the automatic penalty factors. Sets *slope to its rate while the destination moves with `rate`
- * [m/s]. A plane has no box. Where faces of two boxes coincide, that of the source counts. */
-static double start_diagonal(const struct scene_state *q, int contact, struct vec3 rate, double *slope)
+/* A plane has no box. Where faces of two boxes coincide, that of the source counts. */
+double model_diagonal(const struct scene_values *v, int contact, struct vec3 c, struct vec3 rate,
+                      double *slope)
 {
     const int to = contact_destination(contact);
     const bool on_plane = SCENE_ANY_PLANE && body_shape(to) == SHAPE_PLANE;
-    double a[3], b[3], c[3], moves[3], edge[3];
-    vec3_to(start_separation(q, contact), c);
+    double a[3], b[3], place[3], moves[3], edge[3];
+    vec3_to(c, place);
     vec3_to(rate, moves);
-    put_half_extents(q->v, contact_source(contact), contact_source_radius(q->v, contact), a);
-    put_half_extents(q->v, to, contact_destination_radius(q->v, contact), b);
+    put_half_extents(v, contact_source(contact), contact_source_radius(v, contact), a);
+    put_half_extents(v, to, contact_destination_radius(v, contact), b);
     double sum = 0.0;
     for (int i = 0; i < 3; ++i) {
-        const double high = on_plane ? a[i] : fmax(a[i], c[i] + b[i]);
-        const double low = on_plane ? -a[i] : fmin(-a[i], c[i] - b[i]);
+        const double high = on_plane ? a[i] : fmax(a[i], place[i] + b[i]);
+        const double low = on_plane ? -a[i] : fmin(-a[i], place[i] - b[i]);
         edge[i] = high - low;
         sum += edge[i] * ((high > a[i]) - (low < -a[i])) * moves[i];
     }
@@ -341,33 +309,25 @@ static double start_diagonal(const struct scene_state *q, int contact, struct ve
     return diagonal;
 }
 
-double model_diagonal_slope(const struct model *m, int contact, struct vec3 rate)
-{
-    double slope;
-    (void)start_diagonal(&m->state.motion, contact, rate, &slope);
-    return slope;
-}
-
 static void prepare_contact(struct scene_state *q, int contact)
 {
     struct contact_state *state = &q->contact[contact];
-    double still;
-    state->parameters.diagonal = start_diagonal(q, contact, vec3_make(0.0, 0.0, 0.0), &still);
-    state->side = 1;
+    struct contact_parameters *fixed = &state->parameters;
     state->regime = (int32_t)REGIME_APART;
-    if (SCENE_ANY_FRICTION) { /* v_0: automatic, or the user's; 1e-3 has the unit 1/s */
-        state->parameters.slip_velocity =
-            contact_slip_velocity_control(q->v, contact) == SLIP_VELOCITY_CONTROL_AUTOMATIC
-                ? 1e-3 * state->parameters.diagonal
-                : contact_characteristic_slip_velocity(q->v, contact);
-    }
     if (SCENE_ANY_AXIS && body_has_axis(contact_destination(contact))) {
-        state->parameters.axis = body_unit_axis(q->v, contact_destination(contact));
+        fixed->axis = body_unit_axis(q->v, contact_destination(contact));
     }
     struct contact_shape shape = scene_contact_shape(q, contact);
     state->physics.normal = contact_default_normal(&shape);
     struct scene_instant at;
-    scene_now(q, &at);
+    double still;
+    scene_kinematics_now(q, &at);
+    fixed->diagonal = model_diagonal(q->v, contact, at.separation[contact], vec3_make(0.0, 0.0, 0.0), &still);
+    if (SCENE_ANY_FRICTION) { /* v_0: automatic, or the user's; 1e-3 has the unit 1/s */
+        fixed->slip_velocity = contact_slip_velocity_control(q->v, contact) == SLIP_VELOCITY_CONTROL_AUTOMATIC
+                                   ? 1e-3 * fixed->diagonal
+                                   : contact_characteristic_slip_velocity(q->v, contact);
+    }
     state->side = shape.side;
     if (contact_location(q->v, contact) == LOCATION_AUTOMATIC && !contact_is_zoned(&shape)) {
         /* The source is inside when its centre is closer than r_d to the centre or axis, and it fits in. */
@@ -377,7 +337,7 @@ static void prepare_contact(struct scene_state *q, int contact)
                 : 1;
     }
     state->physics.normal = at.geometry[contact].normal;
-    state->parameters.factors = model_factors(q, contact);
+    fixed->factors = model_factors(q, contact, fixed->diagonal);
 }
 
 void model_prepare(struct model *m)

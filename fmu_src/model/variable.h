@@ -33,7 +33,7 @@ struct variable {
     /* position of the value in struct scene_values [bytes], 0 for local variables; the value is a double for
      * VARIABLE_REAL, else an int32_t */
     uint32_t offset;
-    uint16_t row;          /* enum variable_row of scene.h */
+    uint16_t row;          /* enum variable_row of scene.h; of a rate that of its state */
     uint8_t type;          /* enum variable_type */
     uint8_t causality;     /* enum variable_causality */
     uint16_t element;      /* index of the body or contact, 0 for the rest */
@@ -67,6 +67,9 @@ extern const uint32_t scene_reals[];
 
 extern const struct variable scene_variables[];
 extern const int scene_variable_count;
+
+/* The parameter that the importer's tolerance replaces; NULL: the scene has none. */
+extern const struct variable *const scene_tolerance;
 
 /* Returns the choices under which something would read the parameter at a position of scene_variables, as a
  * user writes them (`when` of variables.toml); NULL: something reads it. */

@@ -199,15 +199,17 @@ def reals(resolved: Resolved) -> list[str]:
 
 
 def table(resolved: Resolved) -> list[str]:
-    """Initializers of struct variable, in the order of modelDescription.xml."""
+    """Initializers of struct variable, in the order of modelDescription.xml; a rate has the row of its
+    state."""
     lines = []
     for variable in resolved.variables:
         cell, row = variable.cell, variable.cell.row
         low, high = (repr(float(limit)) for limit in row.limits)
         offset = _offset(variable)
         causality = C_ROLE[row.role] if row.role else C_CAUSALITY[row.causality]
+        named = resolved.catalogue.rows[row.rate_of] if row.rate_of else row
         lines.append(
-            f'{{"{variable.name}", {low}, {high}, {variable.reference}, {offset}, ROW_{row.c_name}, '
+            f'{{"{variable.name}", {low}, {high}, {variable.reference}, {offset}, ROW_{named.c_name}, '
             f"VARIABLE_{C_BASE[row.type.base]}, VARIABLE_{causality}, {cell.element}, "
             f"{variable.component}, {row.dim}, {int(row.reinit)}, {int(row.tunable)}}},"
         )
@@ -265,7 +267,7 @@ def _way(conditions: Conditions, alternative: dict, cell: Cell) -> list[tuple[st
 
 
 def refusals(resolved: Resolved) -> list[tuple[str, list[str], str]]:
-    """Conditions in C under which parameters contradict each other, the two numbers compared, the messages."""
+    """Conditions in C under which parameters contradict each other, what they compare, the messages."""
     found = []
     for choices, unless, text in resolved.refusals():
         conditions = [f"({_is_one_of(cell, numbers)})" for cell, numbers in choices if cell.open]

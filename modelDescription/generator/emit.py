@@ -187,6 +187,7 @@ def _context(resolved: Resolved) -> dict:
         "start_statements": c_code.start_statements(resolved),
         "table": c_code.table(resolved),
         "reals": c_code.reals(resolved),
+        "tolerance": next((i for i, v in enumerate(variables) if v.cell.row.tolerance), None),
         "idles": c_code.idles(resolved),
         "refusals": c_code.refusals(resolved),
         "positions": c_code.positions(resolved),

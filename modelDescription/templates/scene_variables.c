@@ -17,6 +17,8 @@ const struct variable scene_variables[SCENE_VARIABLES] = {
 {% endfor %}
 };
 
+const struct variable *const scene_tolerance = {{ "NULL" if tolerance is none else "&scene_variables[%d]" % tolerance }};
+
 /* Position in the table, counted from 1, of each value reference{% if far_references %}; those behind the blocks, from {{ far_references }}
  * on, follow those within{% endif %}. */
 static const uint16_t position_of[] = {
