@@ -1,6 +1,5 @@
 /* The end of initialization: checks of the parameters, warnings, and the start of the motion. */
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 #include "contact/law.h"
@@ -80,15 +79,16 @@ static enum model_status check_axes(struct model *m, int contact)
 
 /* Checks that a source that may touch a torus from within passes through its hole: where one touches all
  * round no point is the nearest. */
-static enum model_status check_ring(struct model *m, int contact, double r_s, double r_d)
+static enum model_status check_ring(struct model *m, int contact)
 {
     const struct scene_values *v = &m->state.values;
     const int body = contact_destination(contact);
     const double ring = body_ring_radius(v, body);
+    const double r_s = contact_source_radius(v, contact);
     const char *name = scene_body_name(body);
     const char *source = scene_body_name(contact_source(contact));
     const bool may_fill = contact_location(v, contact) != LOCATION_INSIDE &&
-                          body_side(v, body) != TUBE_SIDE_OUTER_RACE && r_s + r_d >= ring;
+                          body_side(v, body) != TUBE_SIDE_OUTER_RACE && r_s + body_radius(v, body) >= ring;
     return !may_fill
                ? MODEL_OK
                : model_report(
@@ -100,20 +100,8 @@ static enum model_status check_ring(struct model *m, int contact, double r_s, do
 
 static enum model_status check_contact(struct model *m, int contact)
 {
-    const struct scene_values *v = &m->state.values;
-    const char *name = scene_contact_name(contact);
-    const char *source = scene_source_name(contact);
-    const char *destination = scene_body_name(contact_destination(contact));
-    const double r_s = contact_source_radius(v, contact);
-    const double r_d = contact_destination_radius(v, contact);
-    if (contact_location(v, contact) == LOCATION_INSIDE && r_s >= r_d) {
-        return model_report(m, MODEL_ERROR,
-                            "%s.location = inside contradicts %s.radius = %s m >= %s.radius = %s m (allowed: "
-                            "a source smaller than its hollow destination).",
-                            name, source, shortest_digits(r_s).text, destination, shortest_digits(r_d).text);
-    }
     const bool is_torus = SCENE_ANY_TORUS && body_shape(contact_destination(contact)) == SHAPE_TORUS;
-    const enum model_status status = is_torus ? check_ring(m, contact, r_s, r_d) : MODEL_OK;
+    const enum model_status status = is_torus ? check_ring(m, contact) : MODEL_OK;
     return SCENE_ANY_AXIS && status == MODEL_OK ? check_axes(m, contact) : status;
 }
 

@@ -271,7 +271,10 @@ def refusals(resolved: Resolved) -> list[tuple[str, list[str], str]]:
     found = []
     for choices, unless, text in resolved.refusals():
         conditions = [f"({_is_one_of(cell, numbers)})" for cell, numbers in choices if cell.open]
-        numbers = [f"{cell.row.c_name}(v, {cell.element})" for cell in unless.cells] if unless else []
+        numbers = [
+            f"{cell.row.c_name}(v, {cell.element})" if cell.open else constant(cell.row, cell.value)
+            for cell in (unless.cells if unless else ())
+        ]
         if unless and any(cell.open for cell in unless.cells):
             factor = f"{unless.factor!r} * " if unless.factor != 1.0 else ""
             conditions.append(f"!({numbers[0]} {unless.relation} {factor}{numbers[1]})")
