@@ -26,7 +26,7 @@
 enum { JET_TERMS = 3 };
 
 struct contact_jet {
-    struct vec3 separation[JET_TERMS], axis[JET_TERMS]; /* c and the shape's axis, where there are caps */
+    struct vec3 separation[JET_TERMS], axis[JET_TERMS]; /* c; the shape's axis, where there are caps */
     struct vec3 normal[JET_TERMS];
     double distance[JET_TERMS], gap[JET_TERMS], gap_rate[JET_TERMS];
     double normal_force[JET_TERMS];

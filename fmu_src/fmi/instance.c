@@ -384,9 +384,8 @@ static inline void number_to(const struct instance *instance, const struct varia
 static bool values_ready(struct instance *instance, const uint32_t *references, size_t reference_count,
                          const void *values, size_t count)
 {
-    const char *const *names = instance->adapter->arguments;
-    return array_given(instance, names[ARGUMENT_REFERENCES], references, reference_count) &&
-           array_given(instance, names[ARGUMENT_VALUES], values, count);
+    return array_given(instance, "valueReferences", references, reference_count) &&
+           array_given(instance, "values", values, count);
 }
 
 CONTACT_NOINLINE enum model_status instance_get_values(struct instance *instance, unsigned types,
@@ -476,9 +475,8 @@ enum model_status instance_output_derivatives(struct instance *instance, const u
                                               const int *orders, size_t reference_count, double *values,
                                               size_t count)
 {
-    const char *const *names = instance->adapter->arguments;
     if (!values_ready(instance, references, reference_count, values, count) ||
-        !array_given(instance, names[ARGUMENT_ORDERS], orders, reference_count)) {
+        !array_given(instance, "orders", orders, reference_count)) {
         return MODEL_ERROR;
     }
     const struct variable_list list = list_of(instance, references, reference_count);
@@ -522,8 +520,8 @@ static enum model_status check_seeds(struct instance *instance, const struct var
     size_t place = 0;
     for (const struct variable *one = NULL; (one = next_variable(list, one, &place)) != NULL; ++seed) {
         if (!isfinite(*seed)) {
-            return log_report(instance, MODEL_DISCARD, ": %s of %s = %g refused, allowed: finite",
-                              instance->adapter->arguments[ARGUMENT_SEED], one->name, *seed);
+            return log_report(instance, MODEL_DISCARD, ": seed of %s = %g refused, allowed: finite",
+                              one->name, *seed);
         }
     }
     return MODEL_OK;
@@ -549,11 +547,10 @@ enum model_status instance_product(struct instance *instance, const struct produ
 {
     const size_t seeds = p->adjoint ? p->unknown_components : p->known_components;
     const size_t sensitivities = p->adjoint ? p->known_components : p->unknown_components;
-    const char *const *names = instance->adapter->arguments;
-    if (!array_given(instance, names[ARGUMENT_UNKNOWNS], p->unknowns.references, p->unknowns.count) ||
-        !array_given(instance, names[ARGUMENT_KNOWNS], p->knowns.references, p->knowns.count) ||
-        !array_given(instance, names[ARGUMENT_SEED], p->seed, seeds) ||
-        !array_given(instance, names[ARGUMENT_SENSITIVITY], p->sensitivity, sensitivities)) {
+    if (!array_given(instance, "unknowns", p->unknowns.references, p->unknowns.count) ||
+        !array_given(instance, "knowns", p->knowns.references, p->knowns.count) ||
+        !array_given(instance, "seed", p->seed, seeds) ||
+        !array_given(instance, "sensitivity", p->sensitivity, sensitivities)) {
         return MODEL_ERROR;
     }
     const enum model_status status = check_product(instance, p);
@@ -677,10 +674,31 @@ enum model_status exchange_get(struct instance *instance, enum exchange_values w
  * Therefore it is searched in the list before anything is read from it.
  */
 
+/* The version is raised whenever the layout or meaning of the header or of the model's state (struct
+ * model_state, struct scene_state, struct scene_values) changes. */
+#define BLOCK_VERSION 7u
+
+struct block_header {
+    uint32_t magic; /* the adapter's; a block of the other byte order does not match */
+    uint32_t version;
+    uint32_t scene;    /* SCENE_HASH: states fit only the FMU that wrote them */
+    uint32_t checksum; /* checksum of all bytes behind this field */
+    uint64_t size;     /* bytes of the whole block */
+    double start_time; /* s */
+    double stop_time;  /* s */
+    uint32_t set_up;
+    uint32_t phase;
+};
+
+_Static_assert(sizeof(struct block_header) == 48, "no padding, and the model's bytes stay aligned to 8");
+
 struct state_block {
     struct state_block *next;
-    _Alignas(double) unsigned char bytes[]; /* struct block_header and the model's state */
+    struct block_header header; /* the bytes that the importer may copy begin here */
+    _Alignas(double) unsigned char model[];
 };
+
+#define CHECKED_FROM (offsetof(struct block_header, checksum) + sizeof(uint32_t))
 
 static struct state_block *state_list_find(const struct instance *instance, const void *address)
 {
@@ -701,34 +719,9 @@ static void state_list_remove(struct instance *instance, struct state_block *blo
     instance->host.release(block);
 }
 
-/* The version is raised whenever the layout or meaning of the header or of the model's state (struct
- * model_state, struct scene_state, struct scene_values) changes. */
-#define BLOCK_VERSION 7u
-
-struct block_header {
-    uint32_t magic; /* the adapter's; a block of the other byte order does not match */
-    uint32_t version;
-    uint32_t scene;    /* SCENE_HASH: states fit only the FMU that wrote them */
-    uint32_t checksum; /* checksum of all bytes behind this field */
-    uint64_t size;     /* bytes of the whole block */
-    double start_time; /* s */
-    double stop_time;  /* s */
-    uint32_t set_up;
-    uint32_t phase;
-};
-
-_Static_assert(sizeof(struct block_header) == 48, "no padding, and the model's bytes stay aligned to 8");
-
-#define CHECKED_FROM (offsetof(struct block_header, checksum) + sizeof(uint32_t))
-
 static size_t block_size(void)
 {
     return sizeof(struct block_header) + model_state_size();
-}
-
-static unsigned char *model_bytes(void *block)
-{
-    return (unsigned char *)block + sizeof(struct block_header);
 }
 
 static uint32_t block_checksum(const void *block)
@@ -737,10 +730,10 @@ static uint32_t block_checksum(const void *block)
                        block_size() - CHECKED_FROM);
 }
 
-static void write_block(struct instance *instance, void *block)
+static void write_block(struct instance *instance, struct state_block *block)
 {
-    model_save(instance->model, model_bytes(block));
-    struct block_header header = {
+    model_save(instance->model, block->model);
+    block->header = (struct block_header){
         .magic = instance->adapter->state_magic,
         .version = BLOCK_VERSION,
         .scene = SCENE_HASH,
@@ -750,9 +743,7 @@ static void write_block(struct instance *instance, void *block)
         .set_up = instance->experiment.set_up ? 1 : 0,
         .phase = (uint32_t)instance->phase,
     };
-    memcpy(block, &header, sizeof header);
-    header.checksum = block_checksum(block);
-    memcpy(block, &header, sizeof header);
+    block->header.checksum = block_checksum(&block->header);
 }
 
 static bool plausible_header(const struct instance *instance, const struct block_header *header)
@@ -804,22 +795,16 @@ static enum model_status check_block(struct instance *instance, const void *bloc
     return MODEL_OK;
 }
 
-static const char *state_name(const struct instance *instance)
-{
-    return instance->adapter->arguments[ARGUMENT_STATE];
-}
-
 /* Returns the block of an importer's state, or NULL, after a message, where the state is unknown. */
 static struct state_block *given_block(struct instance *instance, void *state)
 {
-    if (!array_given(instance, state_name(instance), state, 1)) {
+    if (!array_given(instance, "FMUState", state, 1)) {
         return NULL;
     }
     struct state_block *block = state_list_find(instance, state);
     if (block == NULL) {
         log_report(instance, MODEL_ERROR,
-                   ": %s is unknown, expected a state that this instance gave and that is not freed",
-                   state_name(instance));
+                   ": FMUState is unknown, expected a state that this instance gave and that is not freed");
     }
     return block;
 }
@@ -847,31 +832,29 @@ static struct state_block *block_to_write(struct instance *instance, void **stat
 
 enum model_status state_block_get(struct instance *instance, void **state)
 {
-    if (!array_given(instance, state_name(instance), state, 1)) {
+    if (!array_given(instance, "FMUState", state, 1)) {
         return MODEL_ERROR;
     }
     struct state_block *block = block_to_write(instance, state);
     if (block == NULL) {
         return MODEL_ERROR;
     }
-    write_block(instance, block->bytes);
+    write_block(instance, block);
     return MODEL_OK;
 }
 
 enum model_status state_block_set(struct instance *instance, void *state)
 {
     struct state_block *block = given_block(instance, state);
-    if (block == NULL || check_block(instance, block->bytes, block_size()) != MODEL_OK) {
+    if (block == NULL || check_block(instance, &block->header, block_size()) != MODEL_OK) {
         return MODEL_ERROR;
     }
-    const enum model_status status = model_restore(instance->model, model_bytes(block->bytes));
+    const enum model_status status = model_restore(instance->model, block->model);
     if (status <= MODEL_WARNING) {
-        struct block_header header;
-        memcpy(&header, block->bytes, sizeof header);
-        instance->experiment.start_time = header.start_time;
-        instance->experiment.stop_time = header.stop_time;
-        instance->experiment.set_up = header.set_up != 0;
-        instance->phase = (enum phase)header.phase;
+        const struct block_header *header = &block->header;
+        instance->experiment =
+            (struct experiment){header->start_time, header->stop_time, header->set_up != 0};
+        instance->phase = (enum phase)header->phase;
     }
     return status;
 }
@@ -909,7 +892,7 @@ enum model_status state_block_serialize(struct instance *instance, void *state, 
         return log_report(instance, MODEL_ERROR, ": room for %lu bytes, expected %lu", (unsigned long)size,
                           (unsigned long)block_size());
     }
-    memcpy(bytes, block->bytes, block_size());
+    memcpy(bytes, &block->header, block_size());
     return MODEL_OK;
 }
 
@@ -917,15 +900,14 @@ enum model_status state_block_deserialize(struct instance *instance, const void 
                                           void **state)
 {
     if (!array_given(instance, "serializedState", bytes, size) ||
-        !array_given(instance, state_name(instance), state, 1) ||
-        check_block(instance, bytes, size) != MODEL_OK) {
+        !array_given(instance, "FMUState", state, 1) || check_block(instance, bytes, size) != MODEL_OK) {
         return MODEL_ERROR;
     }
     struct state_block *block = block_to_write(instance, state);
     if (block == NULL) {
         return MODEL_ERROR;
     }
-    memcpy(block->bytes, bytes, size);
+    memcpy(&block->header, bytes, size);
     return MODEL_OK;
 }
 

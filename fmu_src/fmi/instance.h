@@ -51,19 +51,6 @@ struct call {
     const char *absent; /* why the function may never be called, else NULL */
 };
 
-/* Names of arguments in messages; the two versions of the standard name them differently. */
-enum argument_name {
-    ARGUMENT_REFERENCES,
-    ARGUMENT_VALUES,
-    ARGUMENT_ORDERS,
-    ARGUMENT_UNKNOWNS,
-    ARGUMENT_KNOWNS,
-    ARGUMENT_SEED,
-    ARGUMENT_SENSITIVITY,
-    ARGUMENT_STATE,
-    ARGUMENT_NAMES
-};
-
 struct instance;
 
 /* The differences between the versions of the standard. */
@@ -71,8 +58,7 @@ struct adapter {
     int version; /* 2 or 3 */
     /* Hands a message over to the importer. */
     void (*send)(struct instance *instance, enum model_status status, const char *category, const char *text);
-    const char *doubled; /* characters that a message to the importer's logger has to double */
-    const char *arguments[ARGUMENT_NAMES];
+    const char *doubled;       /* characters that a message to the importer's logger has to double */
     const char *type_names[4]; /* by enum variable_type */
     uint8_t value_sizes[4];    /* bytes of a value in the importer's arrays, by enum variable_type */
     uint32_t state_magic;      /* a saved state fits only the version of the standard that wrote it */
@@ -130,8 +116,8 @@ enum model_status log_report(struct instance *instance, enum model_status status
  * null instance it returns false without a message. The functions below are called within an allowed call. */
 bool call_begin(struct instance *instance, const struct call *call);
 
-/* Whether an array that must have `count` elements was given; if not, a message says so. With no elements it
- * may be missing. */
+/* Whether an array that must have `count` elements was given; if not, a message says so, which names the
+ * argument as FMI 3.0 does. With no elements it may be missing. */
 bool array_given(struct instance *instance, const char *argument, const void *array, size_t count);
 
 /*

@@ -47,14 +47,6 @@ static const struct adapter adapter_of_fmi2 = {
     .send = fmi2_send,
     /* The logger takes a printf format in which '#' marks value references (FMI 2.0.5). */
     .doubled = "%#",
-    .arguments = {[ARGUMENT_REFERENCES] = "vr",
-                  [ARGUMENT_VALUES] = "value",
-                  [ARGUMENT_ORDERS] = "order",
-                  [ARGUMENT_UNKNOWNS] = "vUnknown_ref",
-                  [ARGUMENT_KNOWNS] = "vKnown_ref",
-                  [ARGUMENT_SEED] = "dvKnown",
-                  [ARGUMENT_SENSITIVITY] = "dvUnknown",
-                  [ARGUMENT_STATE] = "FMUstate"},
     .type_names = {[VARIABLE_REAL] = "Real",
                    [VARIABLE_INTEGER] = "Integer",
                    [VARIABLE_BOOLEAN] = "Boolean",
@@ -158,8 +150,8 @@ SETTER2(String, TYPES_NONE, PHASES_SETTABLE)
 static enum model_status set_input_derivatives(struct instance *instance, const fmi2ValueReference *vr,
                                                size_t nvr, const fmi2Integer *order, const fmi2Real *value)
 {
-    if (!array_given(instance, "vr", vr, nvr) || !array_given(instance, "order", order, nvr) ||
-        !array_given(instance, "value", value, nvr)) {
+    if (!array_given(instance, "valueReferences", vr, nvr) || !array_given(instance, "orders", order, nvr) ||
+        !array_given(instance, "values", value, nvr)) {
         return MODEL_ERROR;
     }
     enum model_status status = MODEL_OK;

@@ -179,7 +179,7 @@ static bool is_viscous_only(const struct scene_values *v, int contact)
 }
 
 /* Returns k_h and chi; one k_h serves all zones of a shape. */
-static struct contact_coefficients hertz_factors(const struct scene_state *q, int contact)
+static struct contact_coefficients hertz_factors(const struct scene_state *q, int contact, double diagonal)
 {
     const struct scene_values *v = q->v;
     const struct contact_shape shape = scene_whole_shape(q, contact);
@@ -192,16 +192,15 @@ static struct contact_coefficients hertz_factors(const struct scene_state *q, in
         at.c = restitution_hunt_crossley(contact_restitution(v, contact),
                                          (enum dashpot)contact_dashpot(v, contact));
     } else if (contact_viscous_control(v, contact) == VISCOUS_CONTROL_AUTOMATIC) {
-        at.c = contact_characteristic_time(v, contact) / q->contact[contact].parameters.diagonal;
+        at.c = contact_characteristic_time(v, contact) / diagonal;
     }
     return at;
 }
 
 /* Returns p_n and p_nv. */
-static struct contact_coefficients linear_factors(const struct scene_state *q, int contact)
+static struct contact_coefficients linear_factors(const struct scene_values *v, int contact, double diagonal)
 {
-    const struct scene_values *v = q->v;
-    const double scale = contact_reference_modulus(v, contact) * q->contact[contact].parameters.diagonal;
+    const double scale = contact_reference_modulus(v, contact) * diagonal;
     struct contact_coefficients at = {contact_penalty_factor(v, contact),
                                       contact_viscous_penalty_factor(v, contact)};
     if (contact_penalty_control(v, contact) == PENALTY_CONTROL_AUTOMATIC) {
@@ -215,33 +214,31 @@ static struct contact_coefficients linear_factors(const struct scene_state *q, i
     return (struct contact_coefficients){is_viscous_only(v, contact) ? 0.0 : at.k, at.c};
 }
 
-struct contact_coefficients model_factors(const struct scene_state *q, int contact)
+struct contact_coefficients model_factors(const struct scene_state *q, int contact, double diagonal)
 {
-    struct contact_coefficients at =
-        scene_is_hertz(q->v, contact) ? hertz_factors(q, contact) : linear_factors(q, contact);
+    struct contact_coefficients at = scene_is_hertz(q->v, contact) ? hertz_factors(q, contact, diagonal)
+                                                                   : linear_factors(q->v, contact, diagonal);
     if (contact_method(q->v, contact) == METHOD_PENALTY) {
         at.c = 0.0;
     }
     return at;
 }
 
-/* An automatic factor of the linear law is proportional to the diagonal, and p_nv by restitution to
- * sqrt(p_n); an automatic chi is inversely proportional to the diagonal. Other factors are constant. */
+/* Returns the slope of a factor that is proportional to a power of the diagonal, from its value at twice the
+ * diagonal. `grows` is the relative slope of the diagonal. */
+static double slope_of_power(double factor, double at_twice, double grows)
+{
+    return factor > 0.0 ? factor * log2(at_twice / factor) * grows : 0.0;
+}
+
 struct contact_law model_law_slope(const struct model *m, int contact, double diagonal_slope)
 {
-    const struct scene_values *v = &m->state.values;
     const struct contact_parameters *at = &m->state.motion.contact[contact].parameters;
-    const bool is_hertz = scene_is_hertz(v, contact);
+    const struct contact_coefficients twice = model_factors(&m->state.motion, contact, 2.0 * at->diagonal);
     const double grows = diagonal_slope / at->diagonal;
-    const bool is_scaled = !is_hertz && contact_penalty_control(v, contact) == PENALTY_CONTROL_AUTOMATIC;
-    const double stiffens = is_scaled ? grows : 0.0;
-    double damps = is_by_restitution(v, contact) ? 0.5 * stiffens : 0.0;
-    if (contact_viscous_control(v, contact) == VISCOUS_CONTROL_AUTOMATIC) {
-        damps = is_hertz ? -grows : is_viscous_only(v, contact) ? grows : stiffens;
-    }
-    return (struct contact_law){.stiffness = at->factors.k * stiffens,
-                                .damping = at->factors.c * damps,
-                                .law = is_hertz ? LAW_HERTZ : LAW_LINEAR};
+    return (struct contact_law){.stiffness = slope_of_power(at->factors.k, twice.k, grows),
+                                .damping = slope_of_power(at->factors.c, twice.c, grows),
+                                .law = scene_is_hertz(&m->state.values, contact) ? LAW_HERTZ : LAW_LINEAR};
 }
 
 /*
@@ -288,7 +285,7 @@ static bool motion_tune(const struct scene_values *v, const struct scene_values 
     bool changed = !vec3_is_zero(more_gravity);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const struct contact_coefficients *now = &q->contact[j].parameters.factors;
-        factors[j] = model_factors(q, j);
+        factors[j] = model_factors(q, j, q->contact[j].parameters.diagonal);
         law_changed[j] = factors[j].k != now->k || factors[j].c != now->c ||
                          contact_dashpot(v, j) != contact_dashpot(before, j);
         changed = changed || law_changed[j];
@@ -372,16 +369,6 @@ static uint8_t *changed_marks(struct model *m, const struct variable *variable)
     m->state.signals_changed = 1;
     m->state.signals_open = 1;
     return &m->state.marks[variable->element][index];
-}
-
-const struct variable *variable_of_row(int row, int element)
-{
-    for (const struct variable *one = scene_variables; one < scene_variables + scene_variable_count; ++one) {
-        if (one->row == row && one->element >= element) {
-            return one;
-        }
-    }
-    return NULL;
 }
 
 double variable_value(const struct variable *variable, const struct scene_values *values)
@@ -473,21 +460,17 @@ enum model_status model_refuse_turn(const struct model *m, enum model_status sta
 {
     const char *of = scene_body_name(body);
     const char *follows = status == MODEL_DISCARD ? " and is not in force" : "";
-    if (strstr(name, "velocity") != NULL) {
-        return model_report(m, status,
-                            "%s.%s would tilt %s.axis%s: a cylinder that touches a cylinder turns about its "
-                            "own axis (allowed: multiples of the axis).",
-                            of, name, of, follows);
-    }
-    return strstr(name, "orientation") != NULL
-               ? model_report(m, status,
-                              "%s.%s[1..4] = 0, 0, 0, 0 is no rotation%s (allowed: at least one component "
-                              "other than zero).",
-                              of, name, follows)
-               : model_report(m, status,
-                              "%s.%s[1], %s.%s[2], %s.%s[3] = 0, 0, 0 has no direction%s (allowed: at least "
-                              "one component other than zero).",
-                              of, name, of, name, of, name, follows);
+    return strstr(name, "velocity") != NULL
+               ? model_report(
+                     m, status,
+                     "%s.%s would tilt %s.axis%s: a cylinder that touches a cylinder turns about its "
+                     "own axis (allowed: multiples of the axis).",
+                     of, name, of, follows)
+               : model_report(
+                     m, status,
+                     "%s.%s is zero, which has no direction%s (allowed: at least one component other "
+                     "than zero).",
+                     of, name, follows);
 }
 
 enum model_status model_refuse_inputs(const struct model *m)

@@ -40,7 +40,7 @@ enum model_status model_setup(struct model *m, bool tolerance_defined, double to
         return model_report(m, MODEL_ERROR, "The tolerance %s is refused (allowed: positive finite numbers).",
                             shortest_digits(tolerance).text);
     }
-    const struct variable *row = variable_of_row(ROW_solver_relative_tolerance, 0);
+    const struct variable *row = scene_tolerance;
     m->state.importer_tolerance = tolerance_defined && row ? fmin(fmax(tolerance, row->min), row->max) : 0.0;
     if (tolerance_defined && row && m->state.importer_tolerance != tolerance) {
         status = model_report(

@@ -9,14 +9,12 @@
 #include "scene/evaluate.h"
 #include "scene/transition.h"
 
-/* Returns the opposed motion (contact/friction.h) of a row of its spring, the spring's rate or its event
- * indicator. */
+/* Returns the opposed motion (contact/friction.h) of a row of its spring or of its event indicator. */
 static int part_of(int row)
 {
-    const bool rolls = row == ROW_contact_rolling_spring_state || row == ROW_contact_rolling_spring_rate ||
-                       row == ROW_contact_rolling_stick_indicator;
-    const bool spins = row == ROW_contact_spinning_spring_state || row == ROW_contact_spinning_spring_rate ||
-                       row == ROW_contact_spinning_stick_indicator;
+    const bool rolls = row == ROW_contact_rolling_spring_state || row == ROW_contact_rolling_stick_indicator;
+    const bool spins =
+        row == ROW_contact_spinning_spring_state || row == ROW_contact_spinning_stick_indicator;
     return rolls ? OPPOSED_ROLLING : spins ? OPPOSED_SPINNING : OPPOSED_SLIP;
 }
 
@@ -26,21 +24,14 @@ static bool is_in_use(const struct scene_values *v, const struct variable *varia
 {
     switch (variable->row) {
     case ROW_body_displacement_state:
-    case ROW_body_displacement_rate:
     case ROW_body_velocity_state:
-    case ROW_body_acceleration:
         return body_is_free(v, variable->element);
     case ROW_body_orientation_state:
-    case ROW_body_orientation_rate:
     case ROW_body_angular_velocity_state:
-    case ROW_body_angular_acceleration:
         return body_turns_freely(v, variable->element);
     case ROW_contact_spring_state:
-    case ROW_contact_spring_rate:
     case ROW_contact_rolling_spring_state:
-    case ROW_contact_rolling_spring_rate:
     case ROW_contact_spinning_spring_state:
-    case ROW_contact_spinning_spring_rate:
         return contact_has_spring(v, variable->element, part_of(variable->row));
     default: /* of an energy */
         return true;
@@ -150,25 +141,25 @@ double model_exchange_rate(const struct scene_instant *at, const struct scene_je
         return 0.0;
     }
     switch (rate->row) {
-    case ROW_body_orientation_rate:
+    case ROW_body_orientation_state:
         turned = orientation_rate(at->q, along, i);
         return *quaternion_part(&turned, k);
-    case ROW_body_displacement_rate:
+    case ROW_body_displacement_state:
         return vec3_get(along ? along->velocity[i][1] : at->velocity[i], k);
-    case ROW_body_acceleration:
+    case ROW_body_velocity_state:
         return along ? 2.0 * vec3_get(free_bodies_half_jerk(at->v, along, i), k)
                      : vec3_get(at->acceleration[i], k);
-    case ROW_body_angular_acceleration:
+    case ROW_body_angular_velocity_state:
         return along ? 2.0 * vec3_get(turning_jet_half_jerk(at, along, i), k)
                      : vec3_get(turning_acceleration(at->q->clock, at, i), k);
-    case ROW_energy_friction_power:
-    case ROW_energy_dissipated_power:
-    case ROW_energy_external_power: {
+    case ROW_energy_friction_state:
+    case ROW_energy_dissipated_state:
+    case ROW_energy_external_work_state: {
         const struct scene_ode ode = {.values = at->v, .state = at->q, .layout = ode_layout_of(at->v, NULL)};
         const struct scene_powers power =
             along ? jet_powers_of(at->q, along, 1) : ode_powers(&ode, at->q->clock, at);
-        return rate->row == ROW_energy_friction_power     ? power.friction
-               : rate->row == ROW_energy_dissipated_power ? power.dissipated
+        return rate->row == ROW_energy_friction_state     ? power.friction
+               : rate->row == ROW_energy_dissipated_state ? power.dissipated
                                                           : power.external;
     }
     default: { /* of a spring */

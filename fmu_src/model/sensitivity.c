@@ -108,39 +108,22 @@ static void move_inputs(const struct scene_instant *at, const struct variable *k
     }
 }
 
-/* Returns the slope of the bounding box's diagonal along the path. Only until the end of initialization does
- * the diagonal follow the positions at the start. */
-static double diagonal_slope(const struct model *m, const struct scene_jet *along, int contact)
-{
-    if (m->state.initialized) {
-        return 0.0;
-    }
-    struct vec3 c[JET_TERMS] = {{0.0, 0.0, 0.0}};
-    struct vec3 w[JET_TERMS] = {{0.0, 0.0, 0.0}};
-    struct vec3 lever[2][JET_TERMS];
-    jet_add_levers(along, contact, c, w, lever);
-    return model_diagonal_slope(m, contact,
-                                vec3_add(c[1], vec3_sub(along->displacement[contact_destination(contact)][1],
-                                                        along->displacement[contact_source(contact)][1])));
-}
-
-/* Varies the factors of the laws, and the damping that depends on the onset of a contact. Until the end of
- * initialization the onset is the start, and the damping follows the gap and gap rate there. */
+/* Varies what follows from the start of the motion: the diagonals of the bounding boxes, the factors of the
+ * laws, and the damping that depends on the onset of a contact, by the gap and gap rate there. */
 static void vary_laws(const struct model *m, struct linear_model *l)
 {
     const struct scene_values *v = &m->state.values;
     struct scene_jet *along = &l->along;
+    jet_of_contacts(&l->at, NULL, false, along); /* how separations, gaps and gap rates change */
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        along->diagonal_slope[j] = diagonal_slope(m, along, j);
-        along->law_slope[j] = model_law_slope(m, j, along->diagonal_slope[j]);
+        const struct contact_jet *contact = &along->contact[j];
+        (void)model_diagonal(v, j, l->at.separation[j], contact->separation[1], &along->diagonal_slope[j]);
+        along->law_slope[j] = SCENE_ANY_HERTZ && scene_damps_by_onset(v, j)
+                                  ? onset_law_slope(&l->at, j, contact->gap[1], contact->gap_rate[1])
+                                  : model_law_slope(m, j, along->diagonal_slope[j]);
         if (SCENE_ANY_FRICTION && contact_slip_velocity_control(v, j) == SLIP_VELOCITY_CONTROL_AUTOMATIC) {
             /* prepare.c has this factor too */
             along->slip_velocity_slope[j] = 1e-3 * along->diagonal_slope[j];
-        }
-        if (SCENE_ANY_HERTZ && !m->state.initialized && scene_damps_by_onset(v, j)) {
-            const struct contact_jet *contact = &along->contact[j];
-            jet_of_contacts(&l->at, NULL, true, along);
-            along->law_slope[j] = onset_law_slope(&l->at, j, contact->gap[1], contact->gap_rate[1]);
         }
     }
 }
@@ -169,7 +152,9 @@ static void begin_path(const struct model *m, struct linear_model *l)
 /* Computes how the contacts change with the inputs along the path. */
 static void finish_path(const struct model *m, struct linear_model *l)
 {
-    vary_laws(m, l);
+    if (!m->state.initialized) {
+        vary_laws(m, l);
+    }
     jet_of_contacts(&l->at, NULL, true, &l->along);
     if (SCENE_ANY_FREE && m->state.initialized && !m->host.exchange) {
         /* The jump of an input that moves a body does the work that changes the energy stored in contacts. */

@@ -77,7 +77,7 @@ CONTACT_COLD enum model_status model_report(const struct model *m, enum model_st
 /* Puts the motion at the start that the present parameters and inputs describe. */
 CONTACT_COLD void model_prepare(struct model *m);
 
-/* Returns the stiffness and damping factors of a contact by its parameters and the diagonal diag in force.
+/* Returns the stiffness and damping factors of a contact by its parameters and the diagonal diag [m].
  *
  *   linear law       p_n = f_p E_ref diag, p_nv = tau_n p_n
  *   viscous only     p_n = 0, p_nv = tau_n E_ref diag
@@ -85,11 +85,15 @@ CONTACT_COLD void model_prepare(struct model *m);
  *   Hertz's law      k_h of the theory, chi = tau_n / diag
  *
  * A factor may also be given by the user; damping of the method penalty is 0. */
-struct contact_coefficients model_factors(const struct scene_state *q, int contact);
+struct contact_coefficients model_factors(const struct scene_state *q, int contact, double diagonal);
 
-/* The first function returns d/ds of the bounding box's diagonal when the separation at the start changes by
- * s times `rate`. The second returns d/ds of the law's factors for that slope of the diagonal. */
-double model_diagonal_slope(const struct model *m, int contact, struct vec3 rate);
+/* Returns the diagonal [m] of the smallest axis-aligned box around both bodies of a contact with the
+ * separation c [m]; it scales the automatic penalty factors. Sets *slope to its rate while c changes by
+ * `rate` [m/s]. */
+double model_diagonal(const struct scene_values *v, int contact, struct vec3 c, struct vec3 rate,
+                      double *slope);
+
+/* Returns d/ds of the law's factors for that slope of the diagonal. */
 struct contact_law model_law_slope(const struct model *m, int contact, double diagonal_slope);
 
 /* Sets the paths of the bodies at the start by the inputs. */

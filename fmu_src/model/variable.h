@@ -33,7 +33,7 @@ struct variable {
     /* position of the value in struct scene_values [bytes], 0 for local variables; the value is a double for
      * VARIABLE_REAL, else an int32_t */
     uint32_t offset;
-    uint16_t row;          /* enum variable_row of scene.h */
+    uint16_t row;          /* enum variable_row of scene.h; of a rate that of its state */
     uint8_t type;          /* enum variable_type */
     uint8_t causality;     /* enum variable_causality */
     uint16_t element;      /* index of the body or contact, 0 for the rest */
@@ -68,31 +68,16 @@ extern const uint32_t scene_reals[];
 extern const struct variable scene_variables[];
 extern const int scene_variable_count;
 
-/* The body or contact whose choice decides whether a parameter is read: the one that has the parameter, the
- * contact's source or destination, or any. */
-enum use_whose { USE_OF_OWN, USE_OF_SOURCE, USE_OF_DESTINATION, USE_OF_ANY };
+/* The parameter that the importer's tolerance replaces; NULL: the scene has none. */
+extern const struct variable *const scene_tolerance;
 
-/* One condition under which the parameters of a row are read: a choice has one of some items (`when` of
- * variables.toml). A parameter is in force where all conditions of one of its alternatives hold, or where it
- * has no condition. */
-struct scene_use {
-    uint16_t row, choice; /* enum variable_row; ROW_COUNT ends the table */
-    uint8_t items;        /* one bit for the number of each item */
-    uint8_t whose;        /* enum use_whose */
-    uint16_t owners;      /* the number of bodies or contacts that have the choice */
-    uint8_t alternative;  /* number of the alternative, ascending from 0 within a row */
-    char wanted[25];      /* the names of the items */
-};
+/* Returns the choices under which something would read the parameter at a position of scene_variables, as a
+ * user writes them (`when` of variables.toml); NULL: something reads it. */
+const char *scene_idle(const struct scene_values *v, int position);
 
-extern const struct scene_use scene_uses[];
-
-/* Returns the number of the item that a choice of a body or contact has; a constant where the scene pins
- * it. */
-int scene_choice(const struct scene_values *v, int row, int element);
-
-/* Returns the message on the first parameters that contradict each other (`refused` of variables.toml); NULL:
- * none do. */
-const char *scene_refusal(const struct scene_values *v);
+/* Returns the format of the message on the first parameters that contradict each other (`refused` of
+ * variables.toml), and sets the numbers that it tells by "%s"; NULL: none do. */
+const char *scene_refusal(const struct scene_values *v, double numbers[2]);
 
 /* Positions in scene_variables of the SCENE_STATES states, of their rates, and of the SCENE_INDICATORS event
  * indicators; then the nominal values of the states. */
@@ -102,10 +87,6 @@ extern const double scene_state_nominals[];
 /* Returns the variable of a value reference, or NULL when the scene has none. The search takes the same time
  * for every reference. */
 const struct variable *scene_variable(uint32_t reference);
-
-/* Returns the first variable of a row, for the first body or contact from `element` on that has it; NULL:
- * there is none. */
-const struct variable *variable_of_row(int row, int element);
 
 /* Returns the first component of the vector, or the scalar, that a value reference names; else NULL. The
  * reference of a vector is that of its first component. */

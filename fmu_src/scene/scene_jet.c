@@ -40,8 +40,11 @@ void jet_axis_of(const struct scene_jet *along, int body, struct vec3 axis[JET_T
     put_turned(along->first_order ? 2 : JET_TERMS, along->orientation[body], z, axis);
 }
 
-void jet_add_levers(const struct scene_jet *along, int contact, struct vec3 c[JET_TERMS],
-                    struct vec3 w[JET_TERMS], struct vec3 lever[2][JET_TERMS])
+/* Puts the terms of the lever arms R o of compound bodies at both ends of a contact, and adds those by which
+ * they change the separation c and its rate w; w[i] takes those of omega x R o. The orientations and angular
+ * velocities of `along` must be set. */
+static void add_levers(const struct scene_jet *along, int contact, struct vec3 c[JET_TERMS],
+                       struct vec3 w[JET_TERMS], struct vec3 lever[2][JET_TERMS])
 {
     for (int end = 0; SCENE_ANY_COMPOUND && end < 2; ++end) {
         const int body = end == 0 ? contact_source(contact) : contact_destination(contact);
@@ -97,7 +100,7 @@ static struct contact_path path_of(const struct scene_instant *at, const struct 
         path.c[i] = vec3_sub(along->displacement[to][i], along->displacement[from][i]);
         path.w[i] = vec3_sub(along->velocity[to][i], along->velocity[from][i]);
     }
-    jet_add_levers(along, contact, path.c, path.w, path.lever);
+    add_levers(along, contact, path.c, path.w, path.lever);
     path.c[0] = at->separation[contact];
     path.w[0] = at->rate[contact];
     if (SCENE_ANY_AXIS) {
@@ -273,8 +276,8 @@ void jet_of_contact(const struct scene_instant *at, int contact, bool rubs, stru
     const struct contact_shape shape = scene_shape_met(at, contact);
     const struct contact_law law = scene_contact_law(at->q, contact);
     const struct contact_path path = path_of(at, along, &shape, contact);
+    memcpy(along->contact[contact].separation, path.c, sizeof path.c);
     if (SCENE_ANY_CAPS) {
-        memcpy(along->contact[contact].separation, path.c, sizeof path.c);
         memcpy(along->contact[contact].axis, path.axis, sizeof path.axis);
     }
     put_distance(&shape, &at->geometry[contact], &path, &along->contact[contact]);

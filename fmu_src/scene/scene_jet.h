@@ -73,12 +73,6 @@ CONTACT_COLD struct vec3 turning_jet_spring_change(const struct scene_instant *a
 /* Puts the terms of the third axis of a body's frame. */
 CONTACT_COLD void jet_axis_of(const struct scene_jet *along, int body, struct vec3 axis[JET_TERMS]);
 
-/* Puts the terms of the lever arms R o of compound bodies at both ends of a contact, and adds those by which
- * they change the separation c and its rate w; w[i] takes those of omega x R o. The orientations and angular
- * velocities of `along` must be set. */
-CONTACT_COLD void jet_add_levers(const struct scene_jet *along, int contact, struct vec3 c[JET_TERMS],
-                                 struct vec3 w[JET_TERMS], struct vec3 lever[2][JET_TERMS]);
-
 /* Puts the change of an orientation by a change of one component of a quaternion q of any length, with `unit`
  * = q / length. The change of its direction alone turns the body and its axis. */
 CONTACT_COLD void turning_jet_move_orientation(int body, struct quaternion unit, double length, int component,

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from .catalogue import BEHIND_BLOCKS, Row
 from .cell import COMPONENTS
-from .conditions import number_of
+from .conditions import Conditions, number_of
 from .resolve import Cell, Resolved
 
 C_BASE = {"Real": "REAL", "Integer": "INTEGER", "Boolean": "BOOLEAN", "Enumeration": "ENUMERATION"}
@@ -199,15 +199,17 @@ def reals(resolved: Resolved) -> list[str]:
 
 
 def table(resolved: Resolved) -> list[str]:
-    """Initializers of struct variable, in the order of modelDescription.xml."""
+    """Initializers of struct variable, in the order of modelDescription.xml; a rate has the row of its
+    state."""
     lines = []
     for variable in resolved.variables:
         cell, row = variable.cell, variable.cell.row
         low, high = (repr(float(limit)) for limit in row.limits)
         offset = _offset(variable)
         causality = C_ROLE[row.role] if row.role else C_CAUSALITY[row.causality]
+        named = resolved.catalogue.rows[row.rate_of] if row.rate_of else row
         lines.append(
-            f'{{"{variable.name}", {low}, {high}, {variable.reference}, {offset}, ROW_{row.c_name}, '
+            f'{{"{variable.name}", {low}, {high}, {variable.reference}, {offset}, ROW_{named.c_name}, '
             f"VARIABLE_{C_BASE[row.type.base]}, VARIABLE_{causality}, {cell.element}, "
             f"{variable.component}, {row.dim}, {int(row.reinit)}, {int(row.tunable)}}},"
         )
@@ -215,59 +217,77 @@ def table(resolved: Resolved) -> list[str]:
 
 
 @dataclass(frozen=True)
-class Use:
-    """A choice on which it depends whether a parameter is in force; rows with the same `alternative` must all
-    hold, and one alternative is enough."""
+class Idle:
+    """A parameter that nothing reads under some choices."""
 
-    row: Row
-    alternative: int
-    whose: str  # OWN, SOURCE, DESTINATION or ANY
-    choice: Row
-    items: int  # a bit for the number of each item
-    owners: int  # how many bodies or contacts may have that choice
-    wanted: str  # the items as a user writes them
+    positions: tuple[int, ...]  # of its components in the table of variables, from 0
+    read: str  # condition in C under which something reads it
+    choices: str  # the same as a user writes it
 
 
-def uses(resolved: Resolved) -> list[Use]:
+def idles(resolved: Resolved) -> list[Idle]:
     """What `when` says of the parameters that are open, as far as the scene leaves it open."""
+    places: dict[str, list[int]] = {}
+    for i, variable in enumerate(resolved.variables):
+        places.setdefault(variable.cell.name, []).append(i)
+    conditions = Conditions(resolved.cells, {}, resolved.scene)
     result = []
-    for row in resolved.catalogue.rows.values():
-        if row.causality != "parameter" or not any(cell.open for cell in resolved.of(row.key)):
-            continue
-        for number, alternative in enumerate(row.when):
-            for choice, items in alternative.items():
-                whose, key = _whose(row, choice)
-                other = resolved.catalogue.rows[key]
-                there = [item for item in items if not other.type.items or other.type.item(item)]
-                mask = sum(1 << number_of(other, item) for item in there)
-                wanted = " or ".join(str(item).lower() for item in there)
-                owners = len(_cells(resolved, other))
-                result.append(Use(row, number, whose, other, mask, owners, wanted))
+    for cell in resolved.cells:
+        if cell.row.causality == "parameter" and cell.row.when and cell.open:
+            ways = [_way(conditions, alternative, cell) for alternative in cell.row.when]
+            ways = [way for way in ways if way is not None]
+            if all(ways):
+                read = " || ".join(f"({' && '.join(code for code, _ in way)})" for way in ways)
+                choices = ", or ".join(" and ".join(text for _, text in way) for way in ways)
+                result.append(Idle(tuple(places[cell.name]), read, choices))
     return result
 
 
-def refusals(resolved: Resolved) -> list[tuple[str, str]]:
-    """Conditions in C under which parameters contradict each other, and the messages."""
-    return [
-        (" && ".join(f"({_is_one_of(cell, numbers)})" for cell, numbers in choices if cell.open), text)
-        for choices, text in resolved.refusals()
-        if any(cell.open for cell, _ in choices)
-    ]
+def _way(conditions: Conditions, alternative: dict, cell: Cell) -> list[tuple[str, str]] | None:
+    """The choices that an alternative leaves open, in C and as a user writes them; None where a pin rules the
+    alternative out."""
+    way = []
+    for choice, items in alternative.items():
+        others = [
+            (other, numbers)
+            for other in conditions.choices(choice, cell)
+            if (numbers := {number_of(other.row, item) for item in items} - {None})
+            and (other.open or other.value in numbers)
+        ]
+        if not others:
+            return None
+        if all(other.open for other, _ in others):
+            first = others[0][0]
+            wanted = " or ".join(
+                str(item).lower() for item in items if number_of(first.row, item) is not None
+            )
+            code = " || ".join(dict.fromkeys(_is_one_of(*other) for other in others))
+            way.append((f"({code})" if " || " in code else code, f"{first.name} = {wanted}"))
+    return way
+
+
+def refusals(resolved: Resolved) -> list[tuple[str, list[str], str]]:
+    """Conditions in C under which parameters contradict each other, what they compare, the messages."""
+    found = []
+    for choices, unless, text in resolved.refusals():
+        conditions = [f"({_is_one_of(cell, numbers)})" for cell, numbers in choices if cell.open]
+        numbers = [
+            f"{cell.row.c_name}(v, {cell.element})" if cell.open else constant(cell.row, cell.value)
+            for cell in (unless.cells if unless else ())
+        ]
+        if unless and any(cell.open for cell in unless.cells):
+            factor = f"{unless.factor!r} * " if unless.factor != 1.0 else ""
+            conditions.append(f"!({numbers[0]} {unless.relation} {factor}{numbers[1]})")
+        elif unless and not unless.fails():
+            continue
+        if conditions:
+            found.append((" && ".join(conditions), numbers, text))
+    return found
 
 
 def _is_one_of(cell: Cell, numbers: set[int]) -> str:
     value = f"{cell.row.c_name}(v, {cell.element})"
     return " || ".join(f"{value} == {constant(cell.row, number)}" for number in sorted(numbers))
-
-
-def _whose(row: Row, choice: str) -> tuple[str, str]:
-    """Whose choice `when` speaks of, and the key of its row."""
-    group, _, field = choice.removeprefix("any ").partition(".")
-    if choice.startswith("any "):
-        return "ANY", f"{group}.{field}"
-    if row.owner == "contact" and group in ("source", "destination"):
-        return group.upper(), f"body.{field}"
-    return "OWN", choice
 
 
 def positions(resolved: Resolved) -> dict[str, list[int]]:

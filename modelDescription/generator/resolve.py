@@ -1,6 +1,8 @@
 """Which variables a scene has, and the start or constant value of every parameter and input."""
 
 import math
+import operator
+import re
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -12,7 +14,23 @@ from .errors import allowed
 from .quantity import in_unit
 from .scene import Scene
 
+# `unless` of what is refused: a number, how it must compare, a factor, and the other number
+UNLESS = re.compile(r"(\S+) (<|>=?) (?:([\d.]+) )?(\S+)")
+RELATIONS = {"<": operator.lt, ">": operator.gt, ">=": operator.ge}
 MOST_VARIABLES = 65535  # positions in the C table are 16 bits
+
+
+@dataclass(frozen=True)
+class Relation:
+    """What must hold of two numbers: how the first compares with a factor times the second"""
+
+    cells: tuple[Cell, ...]
+    relation: str
+    factor: float
+
+    def fails(self) -> bool:
+        first, second = (cell.value for cell in self.cells)
+        return not RELATIONS[self.relation](first, self.factor * second)
 
 
 @dataclass(frozen=True)
@@ -47,7 +65,7 @@ class Resolved:
 
     def refusals(self):
         """Parameters that may contradict each other, as far as they are not pinned otherwise: cells with the
-        values in question, and the message."""
+        values in question, what must hold of two numbers beside them (None: nothing), and the message."""
         conditions = Conditions(self.cells, {}, self.scene)
         for cell in self.cells:
             for refused in cell.row.refused:
@@ -56,9 +74,23 @@ class Resolved:
                     for other in conditions.choices(key, cell):
                         numbers = {number_of(other.row, item) for item in items} - {None}
                         choices.append((other, numbers if other.open else numbers & {other.value}))
-                if len(choices) == len(refused["if"]) and all(numbers for _, numbers in choices):
+                unless = None
+                if "unless" in refused:
+                    first, relation, factor, second = UNLESS.fullmatch(refused["unless"]).groups()
+                    of = [one for key in (first, second) for one in self._numbers(conditions, key, cell)]
+                    unless = Relation(tuple(of), relation, float(factor or 1.0))
+                is_there = unless is None or len(unless.cells) == 2
+                if is_there and len(choices) == len(refused["if"]) and all(numbers for _, numbers in choices):
                     names = _names(self.scene, cell.row, cell.element)
-                    yield choices, refused["text"].format(**names)
+                    yield choices, unless, refused["text"].format(**names)
+
+    def _numbers(self, conditions: Conditions, key: str, cell: Cell) -> list[Cell]:
+        """The cells that `unless` speaks of; the radius of a part of a compound counts as pinned."""
+        part = self.scene.contacts[cell.element].source_part if key == "source.radius" else None
+        if part:
+            whole = conditions.choices("destination.radius", cell)
+            return [replace(one, pinned=True, value=part.radius) for one in whole]
+        return conditions.choices(key, cell)
 
     def in_role(self, role: str) -> list["Variable"]:
         """States, their rates or event indicators, in the order of modelDescription.xml."""
@@ -140,7 +172,8 @@ def _names(scene: Scene, row: Row, element: int) -> dict[str, str]:
         return {"body": scene.bodies[element].name} if row.owner == "body" else {}
     contact = scene.contacts[element]
     ends = {end: scene.bodies[getattr(contact, end)].name for end in ("source", "destination")}
-    return {"contact": contact.name, **ends}
+    part = contact.source_part
+    return {"contact": contact.name, "part": ends["source"] + (f".{part.name}" if part else ""), **ends}
 
 
 def _cells_of(row: Row, scene: Scene):

@@ -18,13 +18,14 @@ DEEP = 0.1
 def check_start(resolved: Resolved) -> list[str]:
     """Raises InputError for what no FMU would accept; returns warnings, one line each."""
     start = Start(resolved)
-    for choices, text in resolved.refusals():
-        if all(cell.value in numbers for cell, numbers in choices):
-            raise resolved.scene.error(text)
+    for choices, unless, text in resolved.refusals():
+        if all(cell.value in numbers for cell, numbers in choices) and (unless is None or unless.fails()):
+            numbers = tuple(shortest(cell.value) for cell in unless.cells) if unless else ()
+            raise resolved.scene.error(text % numbers)
     for body, one in enumerate(resolved.scene.bodies):
         start.check_orientation(body) if one.parts else None
-    for index, contact in enumerate(resolved.scene.contacts):
-        start.check(index, contact)
+    for contact in resolved.scene.contacts:
+        start.check_axes(contact)
     warnings = (start.overlap(index, contact) for index, contact in enumerate(resolved.scene.contacts))
     return [text for text in warnings if text]
 
@@ -59,22 +60,10 @@ class Start:
         cell = self.cell(key, element)
         return cell.value == number_of(cell.row, item)
 
-    def check(self, index: int, contact: Contact) -> None:
-        source, destination = contact.source, contact.destination
-        for body in (source, destination):
+    def check_axes(self, contact: Contact) -> None:
+        for body in (contact.source, contact.destination):
             if self.scene.bodies[body].shape not in ("sphere", "compound"):
                 self.check_axis(body)
-        if not self.has_location(contact) or not self.is_item("contact.location", index, "inside"):
-            return
-        large = self.cell("body.radius", destination)
-        small, part = self.radius(source, contact.source_part), contact.source_part
-        if small >= large.value:
-            first = f"{self.scene.bodies[source].name}{'.' + part.name if part else ''}.radius"
-            raise self.scene.error(
-                f"{contact.name}.location = inside contradicts {first} = {shortest(small)} m >= "
-                f"{large.name} = {shortest(large.value)} m "
-                "(allowed: a source smaller than its hollow destination)"
-            )
 
     def check_orientation(self, body: int) -> None:
         cell = self.cell("body.initial_orientation", body)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
 from pathlib import Path
 
@@ -135,7 +136,7 @@ def _check_references(catalogue: Catalogue, shown: str) -> None:
                     shown, f'[variable."{row.key}"]: value reference {vr} is out of 1..99 or that of {other}'
                 )
         for refused in (*row.refused, *row.of_plane.get("refused", ())):
-            for key in refused["if"]:
+            for key in (*refused["if"], *re.findall(r"[a-z]\S+", refused.get("unless", ""))):
                 if key.replace("destination.", "body.").replace("source.", "body.") not in catalogue.rows:
                     raise InputError(
                         shown, f"[variable.\"{row.key}\"]: unknown variable '{key}' in 'refused'"

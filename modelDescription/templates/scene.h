@@ -194,19 +194,6 @@ static inline {{ accessor.result }} {{ accessor.name }}(const struct scene_value
 {{- "\n" }}{{ body(accessor, false) }}
 {%- endfor %}
 
-/* Returns the name of a contact's source: of the body, or of the part of a compound, such as foot.heel. */
-static inline const char *scene_source_name(int contact)
-{
-{% if any_compound %}
-    static const char *const names[SCENE_CONTACTS] = {
-{%- for one in scene.contacts %}"{{ scene.bodies[one.source].name }}{{ "." ~ one.source_part.name if one.source_part }}"{{ ", " if not loop.last }}{% endfor -%}
-    };
-    return names[contact];
-{% else %}
-    return scene_body_name(contact_source(contact));
-{% endif %}
-}
-
 /* The spheres that meet in a contact. A part of a compound body is a sphere; its radius [m] and its centre in
  * the body's frame [m] are constants. Any other body has its centre at zero. */
 {% for role in ("source", "destination") %}

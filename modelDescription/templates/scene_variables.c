@@ -17,6 +17,8 @@ const struct variable scene_variables[SCENE_VARIABLES] = {
 {% endfor %}
 };
 
+const struct variable *const scene_tolerance = {{ "NULL" if tolerance is none else "&scene_variables[%d]" % tolerance }};
+
 /* Position in the table, counted from 1, of each value reference{% if far_references %}; those behind the blocks, from {{ far_references }}
  * on, follow those within{% endif %}. */
 static const uint16_t position_of[] = {
@@ -32,33 +34,29 @@ const uint32_t scene_reals[SCENE_REFERENCES] = {
 {% endfor %}
 };
 
-/* Row, choice, the items of it that would do (bits), whose choice, of how many it may be, alternative, the
- * items by name. */
-const struct scene_use scene_uses[] = {
-{% for use in uses %}
-    {ROW_{{ use.row.c_name }}, ROW_{{ use.choice.c_name }}, {{ use.items }}, USE_OF_{{ use.whose }}, {{ use.owners }}, {{ use.alternative }}, "{{ use.wanted }}"},
-{% endfor %}
-    {ROW_COUNT, ROW_COUNT, 0, USE_OF_OWN, 0, 0, ""},
-};
-
-int scene_choice(const struct scene_values *v, int row, int element)
+const char *scene_idle(const struct scene_values *v, int position)
 {
-    (void)v, (void)element;
-    switch (row) {
-{% for choice in choices %}
-    case ROW_{{ choice.c_name }}:
-        return {{ choice.c_name }}(v{{ ", element" if choice.owner != "world" }});
+    (void)v;
+    switch (position) {
+{% for idle in idles %}
+{% for position in idle.positions %}
+    case {{ position }}:
+{% endfor %}
+        return {{ idle.read }} ? NULL : "{{ idle.choices }}";
 {% endfor %}
     default:
-        return 0;
+        return NULL;
     }
 }
 
-const char *scene_refusal(const struct scene_values *v)
+const char *scene_refusal(const struct scene_values *v, double numbers[2])
 {
-    (void)v;
-{% for condition, text in refusals %}
+    (void)v, (void)numbers;
+{% for condition, compared, text in refusals %}
     if ({{ condition }}) {
+{% for number in compared %}
+        numbers[{{ loop.index0 }}] = {{ number }};
+{% endfor %}
         return "{{ text }}.";
     }
 {% endfor %}

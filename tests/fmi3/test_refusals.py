@@ -26,7 +26,7 @@ START = {"destination.motion": "free", "source.center": [0.1, 0.0, 0.7]}
 # Names of functions and types of FMI 2.0 -> of FMI 3.0
 THIRD = {"GetDerivatives": "GetContinuousStateDerivatives", "NewDiscreteStates": "UpdateDiscreteStates"}
 THIRD |= {"GetRealOutputDerivatives": "GetOutputDerivatives", "SetupExperiment": "EnterInitializationMode"}
-THIRD |= {"SetReal": "SetFloat64", "GetReal": "GetFloat64", "Real": "Float64", "dvKnown": "seed"}
+THIRD |= {"SetReal": "SetFloat64", "GetReal": "GetFloat64", "Real": "Float64"}
 THIRD |= {"SetFMUstate": "SetFMUState", "FMUstate": "FMUState", "fmi2": "fmi3", "[1]": ""}
 
 

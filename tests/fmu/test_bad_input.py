@@ -106,10 +106,9 @@ def test_null_arrays_are_refused_unless_empty(either, version):
     either.initialize()
     before = either.bits("parameter", "input", "output")
     references = array(c_uint, [either.fmu.variables["contact.gap"].reference] * 3)
-    words = {2: ("vr", "value"), 3: ("valueReferences", "values")}[version]
     for (function, kind), count in itertools.product(functions(version), (1, 3)):
         assert either.access(function, None, None, 0, 0) == OK
-        for missing, word in enumerate(words):
+        for missing, word in enumerate(("valueReferences", "values")):
             arrays = [references, (kind * count)()]
             arrays[missing] = None
             expected = either.expect(ERROR, either.prefix + function, word, "null")
@@ -117,11 +116,9 @@ def test_null_arrays_are_refused_unless_empty(either, version):
     assert either.bits("parameter", "input", "output") == before
 
 
-OF_TIME = ("vr", None, "order", "value")
+OF_TIME = ("valueReferences", None, "orders", "values")
 OF_DERIVATIVES = {"SetRealInputDerivatives": OF_TIME, "GetRealOutputDerivatives": OF_TIME}
-OF_DERIVATIVES["GetDirectionalDerivative"] = (
-    "vUnknown_ref", None, "vKnown_ref", None, "dvKnown", "dvUnknown",
-)  # fmt: skip
+OF_DERIVATIVES["GetDirectionalDerivative"] = ("unknowns", None, "knowns", None, "seed", "sensitivity")
 
 
 @pytest.mark.parametrize("function", OF_DERIVATIVES)

@@ -29,7 +29,12 @@ def expected(name: str, scene: dict) -> dict:
     values |= {"tunable": row.get("tunable", False), "unit": kind.get("unit"), "min": float(low)}
     values |= {"max": float(high), "start": start[component] if isinstance(start, list) else start}
     values |= {"component": component, "reinit": row.get("reinit", False), "symbol": row.get("symbol")}
-    values |= {"length": row.get("dim", 1), "items": items, "description": row["description"]}
+    values |= {
+        "named": row.get("rate_of", key),
+        "length": row.get("dim", 1),
+        "items": items,
+        "description": row["description"],
+    }
     return values
 
 
@@ -52,7 +57,7 @@ def disagreements(files: dict[str, str], scene: dict) -> list[str]:
         wanted = expected(name, scene)
         for source, told in (("XML", xml), ("C", table), ("page", page)):
             found += _differences(f"{source} {name}", told[name], wanted, FIELDS[source])
-        if table[name]["row"] != wanted["key"].replace(".", "_"):
+        if table[name]["row"] != wanted["named"].replace(".", "_"):  # a rate has that of its state
             found.append(f"C {name}: row {table[name]['row']}")
         found += _page_texts(name, page[name], xml[name], wanted)
         if not _same_start(xml[name], wanted["start"]):
