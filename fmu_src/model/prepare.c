@@ -400,7 +400,8 @@ static struct vec3 start_separation(const struct scene_state *q, int contact)
     const int from = contact_source(contact);
     const int to = contact_destination(contact);
     const struct vec3 apart = vec3_sub(body_center(q->v, to), body_center(q->v, from));
-    struct vec3 moved = vec3_sub(scene_body_now(q, to).displacement, scene_body_now(q, from).displacement);
+    struct vec3 moved = vec3_sub(scene_displacement_of(q, to, scene_body_now(q, to).moved),
+                                 scene_displacement_of(q, from, scene_body_now(q, from).moved));
     if (SCENE_ANY_COMPOUND) {
         const struct vec3 start =
             quaternion_rotate(q->turn_origin[from].orientation, contact_source_part(contact));

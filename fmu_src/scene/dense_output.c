@@ -250,7 +250,7 @@ static void scene_at(const struct scene_output *o, double clock, const bool *met
     if (o->move) {
         o->move(o->mover, clock, q);
     }
-    scene_evaluate(q, clock, q->body, &q->turning, met, at);
+    scene_evaluate(q, clock, met, at);
 }
 
 static void put_sample(const struct contact_jet *jet, struct pair_sample *sample)
