@@ -80,7 +80,7 @@ static double length_of_impact(const struct scene_instant *at, int contact)
     const double k = factors.k * per_mass;
     const double chi = regime == REGIME_COMPRESSION ? factors.c : 0.0;
     const struct contact_geometry *g = &at->geometry[contact];
-    const double load = scene_pressing_acceleration(at->q->clock, at, contact);
+    const double load = scene_pressing_acceleration(at, contact);
     const double depth = depth_to_come(k, chi, fabs(g->gap_rate), load);
     if (!(-g->gap < DEEP * depth) || g->gap_rate > 0.0) {
         return (double)INFINITY;
@@ -137,7 +137,7 @@ static struct opposed_state opposed_of(const struct scene_instant *at, int conta
 {
     return (struct opposed_state){scene_friction_law(at->q, contact, part),
                                   (enum friction_regime)at->q->contact[contact].friction_regime[part],
-                                  turning_rubbing(&at->q->turning, at, contact, part).slip,
+                                  turning_rubbing(at, contact, part).slip,
                                   part == OPPOSED_SLIP ? vec3_norm(at->rate[contact])
                                                        : turning_spin_size(at, contact)};
 }
@@ -623,7 +623,7 @@ static double missed_at_bend(const struct radau_step *p, const struct friction_l
 static void note_bend(struct general *g, const struct scene_instant *at, int contact, int part, int place)
 {
     const struct radau_step *p = &g->step;
-    const struct vec3 slip = turning_rubbing(&g->state->turning, at, contact, part).slip;
+    const struct vec3 slip = turning_rubbing(at, contact, part).slip;
     const struct vec3 last = g->slip[contact][part];
     const struct vec3 change = vec3_axpy(slip, -1.0, last);
     const double back = -vec3_dot(last, change);
@@ -645,11 +645,11 @@ static void note_bend(struct general *g, const struct scene_instant *at, int con
     }
 }
 
-/* Samples the event functions at the instant `at` of the state g->y. */
-static void sample_events_at(struct general *g, double clock, const struct scene_instant *at, int place)
+/* Samples the event functions at an instant. */
+static void sample_events_at(struct general *g, const struct scene_instant *at, int place)
 {
     double *events = g->events[place];
-    ode_events_at(&g->ode, clock, g->y, at, events);
+    ode_events_at(&g->ode, at, events);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (!g->ode.layout.met[j]) {
             continue;
@@ -733,12 +733,9 @@ static void sample_events(struct general *g)
     g->is_sampled = true;
     g->bend = (double)INFINITY;
     memset(g->event_size, 0, sizeof g->event_size);
-    memcpy(g->y, p->y, (size_t)g->ode.layout.size * sizeof *g->y);
-    sample_events_at(g, p->start, &g->at_start, 0);
+    sample_events_at(g, &g->at_start, 0);
     for (int i = 0; i < p->stages->stages; ++i) {
-        const double clock = p->start + p->stages->node[i] * p->length;
-        radau_step_stage(p, i, g->y);
-        sample_events_at(g, clock, &g->at_stage[i], i + 1);
+        sample_events_at(g, &g->at_stage[i], i + 1);
     }
     for (int k = 0; SCENE_ANY_SPRINGS && k < SCENE_CONTACTS * OPPOSED; ++k) {
         smooth_friction(g, k / OPPOSED, k % OPPOSED);
@@ -1447,7 +1444,7 @@ static void fly_others(const struct general *g, struct scene_state *q, double cl
 {
     const struct scene_values *v = g->ode.values;
     const double start = g->step.start;
-    for (int i = 0; !g->ode.layout.is_whole && i < SCENE_BODIES; ++i) {
+    for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_is_free(v, i) && g->ode.layout.body[i] < 0) {
             const struct vec3 velocity = flight_body_at(q, i, start).velocity;
             q->external_work += flight_work(q, i, velocity, start, clock - start);

@@ -343,11 +343,10 @@ static struct vec3 respond_opposed(struct iteration *it, int stage, int index, i
     const bool pushes = part == OPPOSED_SLIP && (c->speed[0] >= 0 || c->speed[1] >= 0);
     const bool felt = pushes || c->spin[0] >= 0 || c->spin[1] >= 0; /* by a free body */
     struct node *node = &it->node[stage][index];
-    struct friction_state rubbing = turning_rubbing(&it->g->state->turning, at, c->contact, part);
+    struct friction_state rubbing = turning_rubbing(at, c->contact, part);
     rubbing.normal_force = normal_force;
     if (SCENE_ANY_SPRINGS && spring >= 0) {
-        rubbing.spring = opposed_laid((enum opposed)part, vec3_from(it->g->step.point + spring),
-                                      at->geometry[c->contact].normal);
+        rubbing.spring = opposed_laid((enum opposed)part, rubbing.spring, at->geometry[c->contact].normal);
     }
     if (slopes) {
         node->rolls[part] = felt && friction_rolls(law, regime, normal_force, *opposing, a);
@@ -1147,8 +1146,8 @@ static void finish_nodes(struct iteration *it)
                 torque[it->contact[j].contact] = it->node[i][j].torque;
             }
         }
-        ode_rates_under(&g->ode, p->start + p->length * p->stages->node[i], p->point, force, torque,
-                        move_to_stage(it, i, true), p->rates + i * p->stride);
+        ode_rates_under(&g->ode, p->point, force, torque, move_to_stage(it, i, true),
+                        p->rates + i * p->stride);
     }
     p->evaluations += p->stages->stages;
 }

@@ -3,7 +3,7 @@
 /* 2 pi to 160 digits of two: three doubles that do not overlap. */
 static const double TURN[3] = {0x1.921fb54442d18p+2, 0x1.1a62633145c07p-52, -0x1.f1976b7ed8fbcp-108};
 
-/* Beyond so many turns not even twice the digits tell the angle: it is zero then. */
+/* Beyond so many turns not even twice the digits tell the angle: it is zero then, and where it overflows. */
 static const double TOO_MANY_TURNS = 1e30;
 
 struct sine_cosine {
@@ -36,11 +36,6 @@ static struct sine_cosine sine_cosine_after(const struct rotor *rotor, struct do
                                             double factor, double time)
 {
     const double scaled = factor * (time / rotor->unit);
-    /* an angle that overflows is beyond all digits, and so is a product of halves that does */
-    const double rough = rate.high * scaled;
-    if (!(fabs(rough) < TOO_MANY_TURNS) || !(fabs(scaled) < 1e290)) {
-        return (struct sine_cosine){0.0, 1.0};
-    }
     const struct double_double angle = without_turns(double_double_times(rate, scaled));
     const double sine = sin(angle.high);
     const double cosine = cos(angle.high);

@@ -151,22 +151,20 @@ double model_exchange_rate(const struct scene_instant *at, const struct scene_je
                      : vec3_get(at->acceleration[i], k);
     case ROW_body_angular_velocity_state:
         return along ? 2.0 * vec3_get(turning_jet_half_jerk(at, along, i), k)
-                     : vec3_get(turning_acceleration(at->q->clock, at, i), k);
+                     : vec3_get(turning_acceleration(at, i), k);
     case ROW_energy_friction_state:
     case ROW_energy_dissipated_state:
     case ROW_energy_external_work_state: {
         const struct scene_ode ode = {.values = at->v, .state = at->q, .layout = ode_layout_of(at->v, NULL)};
-        const struct scene_powers power =
-            along ? jet_powers_of(at->q, along, 1) : ode_powers(&ode, at->q->clock, at);
+        const struct scene_powers power = along ? jet_powers_of(at, along, 1) : ode_powers(&ode, at);
         return rate->row == ROW_energy_friction_state     ? power.friction
                : rate->row == ROW_energy_dissipated_state ? power.dissipated
                                                           : power.external;
     }
     default: { /* of a spring */
         const int part = part_of(rate->row);
-        return vec3_get(along ? turning_jet_spring_change(at, along, i, part)
-                              : turning_spring_rate(&at->q->turning, at, i, part),
-                        k);
+        return vec3_get(
+            along ? turning_jet_spring_change(at, along, i, part) : turning_spring_rate(at, i, part), k);
     }
     }
 }
@@ -194,7 +192,7 @@ static bool change_regimes(struct scene_state *q)
         const enum contact_regime next = regime_by_margins(&at, j);
         const bool passes = SCENE_ANY_ZONES && regime_zone_margin(&at, j) <= 0.0;
         if (passes || next != (enum contact_regime)q->contact[j].regime) {
-            transition_switch_regime(q, j, next);
+            transition_change_regime(q, j, next, &at);
             changed = true;
             continue;
         }

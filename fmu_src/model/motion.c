@@ -198,7 +198,7 @@ CONTACT_NOINLINE static void show_prescribed(struct scene_values *v, const struc
 {
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_is_prescribed(v, i)) {
-            present_body_now(v, q, i);
+            present_body(v, q, i, scene_body_now(q, i));
         }
     }
 }
@@ -215,8 +215,7 @@ static void foresee_reading(struct model *m, double clock)
     int others = 0; /* bits of the motions that are not free; costs one instruction for each body */
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_is_free(v, i)) {
-            const struct body_state at = flight_unforced_at(q, i, clock);
-            present_body(v, i, vec3_add(q->origin[i].displacement, at.moved), at.velocity);
+            present_body(v, q, i, flight_unforced_at(q, i, clock));
         } else {
             others |= body_motion(v, i);
         }
@@ -245,8 +244,9 @@ bool motion_is_finite(const struct scene_state *q)
     double sum = scene_time(q);
     sum += !SCENE_ANY_FREE || scene_is_force_element(q->v) ? 0.0 : q->dissipated + q->external_work;
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        const struct body_instant at = scene_body_now(q, i);
-        sum += at.displacement.x + at.displacement.y + at.displacement.z;
+        const struct body_state at = scene_body_now(q, i);
+        const struct vec3 displacement = scene_displacement_of(q, i, at.moved);
+        sum += displacement.x + displacement.y + displacement.z;
         sum += at.velocity.x + at.velocity.y + at.velocity.z;
         sum += body_is_free(q->v, i) ? body_mass(q->v, i) * vec3_dot(at.velocity, at.velocity) : 0.0;
     }

@@ -370,7 +370,7 @@ static void update_bodies(struct model *m)
     struct scene_values *v = &m->state.values;
     motion_catch_up(m);
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        present_body_now(v, &m->state.motion, i);
+        present_body(v, &m->state.motion, i, scene_body_now(&m->state.motion, i));
     }
     m->outputs = OUTPUTS_BODIES;
 }

@@ -12,18 +12,14 @@
 #include "scene/evaluate.h"
 #include "scene/transition.h"
 
-/* The indices of the integrals: impulse of the force on the source [N s]; impulses of the torques on source
- * and destination [N m s]; the energy dissipated by the normal law, the energy taken by friction, and the
- * work of whoever moves the bodies [J]. The last integral, of the law's event function, serves only to tell
- * whether a panel resolves this function, which may change where no force acts. */
+/* The indices of the integrals: the impulses in the order of struct contact_impulses, that of the force alone
+ * where nothing may turn [N s, N m s], and the energies in the order of struct scene_powers [J]. The last
+ * integral, of the law's event function, serves only to tell whether a panel resolves this function, which
+ * may change where no force acts. */
 enum {
-    TERM_FORCE = 0,
-    TERM_SOURCE_TORQUE = 3,
-    TERM_DESTINATION_TORQUE = TERM_SOURCE_TORQUE + 3 * SCENE_ANY_TURNING,
-    TERM_DISSIPATED = TERM_DESTINATION_TORQUE + 3 * SCENE_ANY_TURNING,
-    TERM_FRICTION = TERM_DISSIPATED + SCENE_ANY_FREE,
-    TERM_WORK = TERM_FRICTION + SCENE_ANY_FREE,
-    TERM_EVENT = TERM_WORK + SCENE_ANY_FREE,
+    TERM_TORQUES = 3,
+    TERM_DISSIPATED = TERM_TORQUES + 6 * SCENE_ANY_TURNING,
+    TERM_EVENT = TERM_DISSIPATED + 3 * SCENE_ANY_FREE,
     TERMS = TERM_EVENT + SCENE_ANY_TURNING
 };
 
@@ -101,7 +97,8 @@ static enum contact_regime regime_of(const struct span *s)
 
 static void kinematics_at(const struct span *s, double clock, struct scene_instant *at)
 {
-    scene_kinematics(s->q, clock, s->q->body, at);
+    scene_place_bodies(s->q, clock, at);
+    scene_meet(NULL, at);
 }
 
 /* Sets the clock of q, and the springs of the contact in q. */
@@ -121,31 +118,19 @@ CONTACT_NOINLINE static void instant_at(const struct span *s, double clock, cons
     bool met[SCENE_CONTACTS] = {false};
     met[s->contact] = true;
     put_present(s, clock, springs);
-    scene_evaluate(s->q, clock, s->q->body, &s->q->turning, met, at);
+    scene_evaluate(s->q, clock, met, at);
 }
 
-/* Sets the torques, the power that friction takes, and the sum of the lengths of both lever arms [m]. Returns
- * a bound of the speeds that the bodies' rotations give the contact points [m/s]. */
-static double torque_rates(const struct span *s, const struct scene_instant *at, double rate[TERMS],
-                           double *arm)
+/* Sets the sum of the lengths of both lever arms [m]. Returns a bound of the speeds that the bodies'
+ * rotations give the contact points [m/s]. */
+static double speed_of_arms(const struct span *s, const struct scene_instant *at, double *arm)
 {
-    *arm = 0.0;
-    if (!SCENE_ANY_TURNING) {
-        return 0.0;
-    }
     const int j = s->contact;
-    const struct turning_instant *turning = &at->turning;
-    if (!scene_turns(s->v)) {
-        vec3_to(scene_torque_of_force(at, j), rate + TERM_DESTINATION_TORQUE);
+    if (!SCENE_ANY_TURNING || !scene_turns(s->v)) {
         *arm = vec3_norm(at->separation[j]);
         return 0.0;
     }
-    vec3_to(turning->source_torque[j], rate + TERM_SOURCE_TORQUE);
-    vec3_to(turning->destination_torque[j], rate + TERM_DESTINATION_TORQUE);
-    if (SCENE_ANY_FREE) {
-        rate[TERM_FRICTION] = turning_friction_power_of(at, j);
-    }
-    *arm = vec3_norm(turning->source_arm[j]) + vec3_norm(turning->destination_arm[j]);
+    *arm = vec3_norm(at->turning.source_arm[j]) + vec3_norm(at->turning.destination_arm[j]);
     if (contact_resists(s->v, j)) { /* |M| is at most F_n times these levers */
         for (int i = 1; i < OPPOSED; ++i) {
             *arm += scene_friction_law(s->q, j, i).coefficient;
@@ -163,21 +148,19 @@ static double rates_at(const struct span *s, const struct scene_instant *at, dou
     const struct contact_law law = scene_contact_law(s->q, j);
     const struct contact_geometry *g = &at->geometry[j];
     const double force = vec3_norm(at->source_force[j]);
-    double arm = 0.0;
-    for (int k = 0; k < TERMS; ++k) {
-        rate[k] = 0.0;
-    }
-    vec3_to(at->source_force[j], rate + TERM_FORCE);
-    const double turning = torque_rates(s, at, rate, &arm);
+    const struct contact_impulses impulse_rates = scene_impulse_rates(at, j);
+    double arm;
+    memcpy(rate, &impulse_rates, TERM_DISSIPATED * sizeof *rate);
+    const double turning = speed_of_arms(s, at, &arm);
     const double speed = vec3_norm(at->velocity[contact_source(j)]) +
                          vec3_norm(at->velocity[contact_destination(j)]) + turning;
     for (int k = 0; k < TERMS; ++k) {
-        lever[k] = k < TERM_SOURCE_TORQUE ? 1.0 : k < TERM_DISSIPATED ? arm : k < TERM_EVENT ? speed : 0.0;
+        lever[k] = k < TERM_TORQUES ? 1.0 : k < TERM_DISSIPATED ? arm : k < TERM_EVENT ? speed : 0.0;
         scale[k] = force * lever[k];
     }
     if (SCENE_ANY_FREE) {
-        rate[TERM_DISSIPATED] = energy_dissipated_power_of(at, j);
-        rate[TERM_WORK] = scene_driving_power(at, j);
+        const struct scene_powers power = scene_powers_of_contact(at, j);
+        memcpy(rate + TERM_DISSIPATED, &power, sizeof power);
         /* the spring loses energy also while the force is clipped to zero */
         scale[TERM_DISSIPATED] += fabs(contact_stored_slope(&law, regime_of(s), g->gap)) * speed;
     }
@@ -309,7 +292,7 @@ static bool put_spring(const struct span *s, int part, struct panel *panel)
     for (int i = 0; i < PANEL_NODES; ++i) {
         struct scene_instant at;
         instant_at(s, panel->node[i].clock, &panel->node[0].springs, &at);
-        p.node[i] = (struct spring_node){.rubbing = turning_rubbing(&s->q->turning, &at, j, part),
+        p.node[i] = (struct spring_node){.rubbing = turning_rubbing(&at, j, part),
                                          .normal = at.geometry[j].normal,
                                          .normal_rate = turning_normal_rate(&at, j)};
     }
@@ -345,9 +328,9 @@ static void put_events(const struct span *s, const struct scene_instant *at, dou
         events[i] = 1.0;
     }
     if (SCENE_ANY_FRICTION && contact_rubs(s->v, j) && contact_transmits(s->q, j)) {
-        struct scene_ode ode = {.values = s->v, .state = s->q};
+        double offset[ODE_EVENTS_EACH];
         const double of_slip = error + SPEED_ROUNDINGS * vec3_norm(at->turning.slip[j]);
-        turning_friction_events(&ode, at, j, of_slip, SPEED_ROUNDINGS, 0.0, events);
+        turning_friction_events(at, j, of_slip, SPEED_ROUNDINGS, 0.0, offset, events);
     }
     if (contact_has_events(&law)) {
         const struct contact_geometry *g = &at->geometry[j];
@@ -841,16 +824,15 @@ static void book_span(const struct span *s)
     struct scene_state *q = s->q;
     struct contact_state *state = &q->contact[s->contact];
     struct contact_impulses *sum = &state->physics.impulse;
-    sum->force = vec3_add(sum->force, vec3_from(s->sum + TERM_FORCE));
+    sum->force = vec3_add(sum->force, vec3_from(s->sum));
     if (SCENE_ANY_TURNING) {
-        sum->source_torque = vec3_add(sum->source_torque, vec3_from(s->sum + TERM_SOURCE_TORQUE));
-        sum->destination_torque =
-            vec3_add(sum->destination_torque, vec3_from(s->sum + TERM_DESTINATION_TORQUE));
+        sum->destination_torque = vec3_add(sum->destination_torque, vec3_from(s->sum + TERM_TORQUES));
+        sum->source_torque = vec3_add(sum->source_torque, vec3_from(s->sum + TERM_TORQUES + 3));
     }
     if (SCENE_ANY_FREE) {
         q->dissipated += s->sum[TERM_DISSIPATED];
-        q->external_work += s->sum[TERM_WORK];
-        q->friction_energy += SCENE_ANY_TURNING ? s->sum[TERM_FRICTION] : 0.0;
+        q->external_work += s->sum[TERM_DISSIPATED + 1];
+        q->friction_energy += s->sum[TERM_DISSIPATED + 2];
     }
     if (scene_turns(s->v)) {
         put_present(s, q->clock, &s->springs);

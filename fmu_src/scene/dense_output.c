@@ -256,7 +256,7 @@ static void sample_scene(const void *output, double clock, struct pair_sample *s
     if (o->move) {
         o->move(o->mover, clock, &q);
     }
-    scene_evaluate(&q, clock, q.body, &q.turning, alone ? met : NULL, &at);
+    scene_evaluate(&q, clock, alone ? met : NULL, &at);
     jet_of_motion(&at, met, &along);
     put_sample(&along.contact[o->contact], sample);
     if (SCENE_ANY_CURVED && singularity_rate(&at, o->contact) != at.geometry[o->contact].gap_rate) {

@@ -2,6 +2,7 @@
 #include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "contact/law.h"
 #include "math/compiler.h"
@@ -254,8 +255,7 @@ void turning_take_axes(struct scene_state *q)
     }
 }
 
-static struct body_turn turn_at(const struct scene_state *q, double clock,
-                                const struct turning_state *turning, int body)
+static struct body_turn turn_at(const struct scene_state *q, double clock, int body)
 {
     if (body_turn_is_prescribed(q->v, body)) {
         return turning_prescribed_at(q, clock, body);
@@ -263,7 +263,7 @@ static struct body_turn turn_at(const struct scene_state *q, double clock,
     if (!SCENE_ANY_ROTATION) {
         return (struct body_turn){quaternion_identity(), vec3_make(0.0, 0.0, 0.0)};
     }
-    struct body_turn turn = turning->body[body];
+    struct body_turn turn = q->turning.body[body];
     /* an importer's integrator may set an angular velocity all the same */
     if (!body_turns_freely(q->v, body)) {
         turn.angular_velocity = vec3_make(0.0, 0.0, 0.0);
@@ -341,7 +341,7 @@ static void put_torques(struct scene_instant *at, int contact)
 
 /* Sets friction and torques of a contact whose slip and normal force are known. Adds friction to the force on
  * the source. */
-static void turning_of_contact(const struct turning_state *state, int contact, struct scene_instant *at)
+static void turning_of_contact(int contact, struct scene_instant *at)
 {
     struct turning_instant *turning = &at->turning;
     const bool rubs = contact_rubs(at->v, contact) && at->q->contact[contact].regime != (int32_t)REGIME_APART;
@@ -356,7 +356,7 @@ static void turning_of_contact(const struct turning_state *state, int contact, s
         if (SCENE_ANY_ROLLING && i != OPPOSED_SLIP) {
             sum = &turning->resistance[contact];
         }
-        *sum = vec3_add(*sum, friction_force(&law, regime, turning_rubbing(state, at, contact, i)));
+        *sum = vec3_add(*sum, friction_force(&law, regime, turning_rubbing(at, contact, i)));
     }
     at->source_force[contact] = vec3_add(at->source_force[contact], turning->friction_force[contact]);
     put_torques(at, contact);
@@ -365,12 +365,12 @@ static void turning_of_contact(const struct turning_state *state, int contact, s
 void turning_complete(struct scene_instant *at)
 {
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        at->turning.body[i] = turn_at(at->q, at->q->clock, &at->q->turning, i);
+        at->turning.body[i] = turn_at(at->q, at->clock, i);
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const struct contact_shape shape = scene_contact_shape(at->q, j);
         put_arms_and_slip(&shape, j, at);
-        turning_of_contact(&at->q->turning, j, at);
+        turning_of_contact(j, at);
     }
 }
 
@@ -399,25 +399,24 @@ static struct vec3 origin_of(const struct scene_state *q, int body)
     return body_is_free(q->v, body) ? q->origin[body].displacement : vec3_make(0.0, 0.0, 0.0);
 }
 
-static struct body_instant body_at(const struct scene_state *q, double clock, const struct body_state *bodies,
-                                   int body)
+struct vec3 scene_displacement_of(const struct scene_state *q, int body, struct vec3 moved)
 {
-    struct body_instant at = {.moved = {0.0, 0.0, 0.0}};
-    if (body_is_free(q->v, body)) {
-        at.moved = bodies[body].moved;
-        at.velocity = bodies[body].velocity;
-    }
-    if (body_is_prescribed(q->v, body)) {
-        at.moved = vec3_scale(clock, path_at(q->path[body].displacement + 1, 3, clock));
-        at.velocity = path_at(q->path[body].velocity, 3, clock);
-    }
-    at.displacement = vec3_add(origin_of(q, body), at.moved);
-    return at;
+    return vec3_add(origin_of(q, body), moved);
 }
 
-struct body_instant scene_body_now(const struct scene_state *q, int body)
+static struct body_state body_at(const struct scene_state *q, double clock, int body)
 {
-    return body_at(q, q->clock, q->body, body);
+    if (body_is_prescribed(q->v, body)) {
+        const struct body_path *path = &q->path[body];
+        return (struct body_state){vec3_scale(clock, path_at(path->displacement + 1, 3, clock)),
+                                   path_at(path->velocity, 3, clock)};
+    }
+    return body_is_free(q->v, body) ? q->body[body] : (struct body_state){.moved = {0.0, 0.0, 0.0}};
+}
+
+struct body_state scene_body_now(const struct scene_state *q, int body)
+{
+    return body_at(q, q->clock, body);
 }
 
 /* Returns the rate of the separation c in the frame of the contact's shape [m/s], which turns with the
@@ -477,38 +476,37 @@ void scene_meet(const bool *met, struct scene_instant *at)
     }
 }
 
-void scene_place_bodies(const struct scene_state *q, double clock, const struct body_state *bodies,
-                        const struct turning_state *turning, struct scene_instant *at)
+void scene_place_body(struct body_state state, int body, struct scene_instant *at)
+{
+    at->moved[body] = state.moved;
+    at->displacement[body] = scene_displacement_of(at->q, body, state.moved);
+    at->velocity[body] = state.velocity;
+}
+
+void scene_place_bodies(const struct scene_state *q, double clock, struct scene_instant *at)
 {
     const bool turns = scene_turns(q->v);
     at->v = q->v;
     at->q = q;
+    at->clock = clock;
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        const struct body_instant body = body_at(q, clock, bodies, i);
-        at->moved[i] = body.moved;
-        at->displacement[i] = body.displacement;
-        at->velocity[i] = body.velocity;
+        scene_place_body(body_at(q, clock, i), i, at);
         if (turns) {
-            at->turning.body[i] = turn_at(q, clock, turning, i);
+            at->turning.body[i] = turn_at(q, clock, i);
         }
+    }
+    if (SCENE_ANY_TURNING) {
+        memcpy(at->turning.spring, q->turning.spring, sizeof at->turning.spring);
     }
 }
 
-CONTACT_NOT_FUSED CONTACT_FLATTEN void scene_kinematics(const struct scene_state *q, double clock,
-                                                        const struct body_state *bodies,
-                                                        struct scene_instant *at)
-{
-    scene_place_bodies(q, clock, bodies, &q->turning, at);
-    scene_meet(NULL, at);
-}
-
 /* Sets the accelerations without contact forces. */
-static inline void put_accelerations(double clock, struct scene_instant *at)
+static inline void put_accelerations(struct scene_instant *at)
 {
     for (int i = 0; i < SCENE_BODIES; ++i) {
         at->acceleration[i] = body_is_free(at->v, i) ? vec3_axpy(gravity(at->v), 1.0 / body_mass(at->v, i),
-                                                                 path_at(at->q->path[i].force, 3, clock))
-                              : body_is_prescribed(at->v, i) ? path_slope(at->q->path[i].velocity, clock)
+                                                                 path_at(at->q->path[i].force, 3, at->clock))
+                              : body_is_prescribed(at->v, i) ? path_slope(at->q->path[i].velocity, at->clock)
                                                              : vec3_make(0.0, 0.0, 0.0);
     }
 }
@@ -516,11 +514,11 @@ static inline void put_accelerations(double clock, struct scene_instant *at)
 /* Adds the force of a contact to the accelerations of its bodies. */
 static inline void accelerate(int contact, struct scene_instant *at)
 {
-    for (int end = 0; end < 2; ++end) {
-        const int body = end == 0 ? contact_source(contact) : contact_destination(contact);
-        const double by = (end == 0 ? 1.0 : -1.0) * body_inverse_mass(at->v, body);
-        at->acceleration[body] = vec3_axpy(at->acceleration[body], by, at->source_force[contact]);
-    }
+    const struct vec3 force = at->source_force[contact];
+    struct vec3 *source = &at->acceleration[contact_source(contact)];
+    struct vec3 *destination = &at->acceleration[contact_destination(contact)];
+    *source = vec3_axpy(*source, body_inverse_mass(at->v, contact_source(contact)), force);
+    *destination = vec3_axpy(*destination, -body_inverse_mass(at->v, contact_destination(contact)), force);
 }
 
 /* Sets the forces and torques of a contact that is left out. */
@@ -536,11 +534,10 @@ static void leave_out(int contact, struct scene_instant *at)
     }
 }
 
-void scene_forces(double clock, const struct turning_state *turning, const bool *met,
-                  struct scene_instant *at)
+void scene_forces(const bool *met, struct scene_instant *at)
 {
     const bool turns = scene_turns(at->v);
-    put_accelerations(clock, at);
+    put_accelerations(at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (!is_met(met, j)) {
             leave_out(j, at);
@@ -555,24 +552,23 @@ void scene_forces(double clock, const struct turning_state *turning, const bool 
         }
         at->source_force[j] = vec3_scale(-scene_contact_side(at->q, j) * at->normal_force[j], g->normal);
         if (SCENE_ANY_TURNING && turns) {
-            turning_of_contact(turning, j, at);
+            turning_of_contact(j, at);
         }
         accelerate(j, at);
     }
 }
 
-void scene_evaluate(const struct scene_state *q, double clock, const struct body_state *bodies,
-                    const struct turning_state *turning, const bool *met, struct scene_instant *at)
+void scene_evaluate(const struct scene_state *q, double clock, const bool *met, struct scene_instant *at)
 {
-    scene_place_bodies(q, clock, bodies, turning, at);
+    scene_place_bodies(q, clock, at);
     scene_meet(met, at);
-    scene_forces(clock, turning, met, at);
+    scene_forces(met, at);
 }
 
-void scene_put_contact_forces(double clock, const struct vec3 *force, const struct vec3 *torque,
-                              const bool *met, struct scene_instant *at)
+void scene_put_contact_forces(const struct vec3 *force, const struct vec3 *torque, const bool *met,
+                              struct scene_instant *at)
 {
-    put_accelerations(clock, at);
+    put_accelerations(at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (!is_met(met, j)) {
             leave_out(j, at);
@@ -602,14 +598,20 @@ double scene_inverse_mass(const struct scene_values *v, int contact)
     return body_inverse_mass(v, contact_source(contact)) + body_inverse_mass(v, contact_destination(contact));
 }
 
-struct vec3 scene_torque_of_force(const struct scene_instant *at, int contact)
+struct contact_impulses scene_impulse_rates(const struct scene_instant *at, int contact)
 {
-    return body_shape(contact_destination(contact)) == SHAPE_SPHERE
-               ? vec3_make(0.0, 0.0, 0.0)
-               : vec3_cross(at->separation[contact], at->source_force[contact]);
+    struct contact_impulses rates = {.force = at->source_force[contact]};
+    if (scene_turns(at->v)) {
+        rates.destination_torque = at->turning.destination_torque[contact];
+        rates.source_torque = at->turning.source_torque[contact];
+    } else if (body_shape(contact_destination(contact)) != SHAPE_SPHERE) {
+        rates.destination_torque = vec3_cross(at->separation[contact], at->source_force[contact]);
+    }
+    return rates;
 }
 
-double scene_driving_power(const struct scene_instant *at, int contact)
+/* Returns the power [W] that the drives of prescribed motions and rotations spend against a contact. */
+static double driving_power(const struct scene_instant *at, int contact)
 {
     double power = 0.0;
     for (int end = 0; end < 2; ++end) {
@@ -786,41 +788,48 @@ struct vec3 body_part_that_turns(const struct scene_values *v, int body, struct 
     return vec3_scale(vec3_dot(a, e), e);
 }
 
+void contact_load_add(int contact, int body, struct vec3 force, struct vec3 source_torque,
+                      struct vec3 destination_torque, struct contact_load *sum)
+{
+    if (contact_source(contact) == body) {
+        sum->force = vec3_add(sum->force, force);
+        sum->torque = vec3_add(sum->torque, source_torque);
+    }
+    if (contact_destination(contact) == body) {
+        sum->force = vec3_sub(sum->force, force);
+        sum->torque = vec3_add(sum->torque, destination_torque);
+    }
+}
+
 struct contact_load scene_load_on(const struct scene_instant *at, int body)
 {
     struct contact_load sum = {.force = {0.0, 0.0, 0.0}};
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (contact_source(j) == body) {
-            sum.force = vec3_add(sum.force, at->source_force[j]);
-            sum.torque = vec3_add(sum.torque, at->turning.source_torque[j]);
-        }
-        if (contact_destination(j) == body) {
-            sum.force = vec3_sub(sum.force, at->source_force[j]);
-            sum.torque = vec3_add(sum.torque, at->turning.destination_torque[j]);
-        }
+        contact_load_add(j, body, at->source_force[j], at->turning.source_torque[j],
+                         at->turning.destination_torque[j], &sum);
     }
     return sum;
 }
 
-struct vec3 turning_torque_on(double clock, const struct scene_instant *at, int body)
+struct vec3 turning_torque_on(const struct scene_instant *at, int body)
 {
     struct vec3 torque = {0.0, 0.0, 0.0};
     if (body_turns_freely(at->v, body)) {
-        torque = path_at(at->q->path[body].torque, 3, clock);
+        torque = path_at(at->q->path[body].torque, 3, at->clock);
     }
     return body_part_that_turns(at->v, body, vec3_add(torque, scene_load_on(at, body).torque));
 }
 
-struct vec3 turning_acceleration(double clock, const struct scene_instant *at, int body)
+struct vec3 turning_acceleration(const struct scene_instant *at, int body)
 {
     if (body_turn_is_prescribed(at->v, body)) {
-        return path_slope(at->q->path[body].angular_velocity, clock);
+        return path_slope(at->q->path[body].angular_velocity, at->clock);
     }
     if (!body_turns_freely(at->v, body)) {
         return vec3_make(0.0, 0.0, 0.0);
     }
     const struct body_turn *turn = &at->turning.body[body];
-    const struct vec3 torque = turning_torque_on(clock, at, body);
+    const struct vec3 torque = turning_torque_on(at, body);
     const struct vec3 gyration = vec3_cross(turn->angular_velocity, body_spin_of(at->v, body, turn));
     const struct vec3 by_torque = vec3_scale(1.0 / body_inertia_of(at->v, body).x, torque);
     return body_rotation_of(at->v, body, turn->orientation, vec3_sub(by_torque, gyration));
@@ -839,8 +848,7 @@ struct turning_laws turning_laws_of(const struct scene_state *q, int contact)
     return laws;
 }
 
-struct friction_state turning_rubbing(const struct turning_state *turning, const struct scene_instant *at,
-                                      int contact, int part)
+struct friction_state turning_rubbing(const struct scene_instant *at, int contact, int part)
 {
     struct vec3 motion = at->turning.slip[contact];
     if (SCENE_ANY_ROLLING && part != OPPOSED_SLIP) {
@@ -848,7 +856,7 @@ struct friction_state turning_rubbing(const struct turning_state *turning, const
     }
     return (struct friction_state){.normal_force = at->normal_force[contact],
                                    .slip = motion,
-                                   .spring = turning->spring[contact][part],
+                                   .spring = at->turning.spring[contact][part],
                                    .depth = -at->geometry[contact].gap,
                                    .depth_rate = -at->geometry[contact].gap_rate};
 }
@@ -867,11 +875,10 @@ struct vec3 turning_normal_rate(const struct scene_instant *at, int contact)
     return vec3_axpy(turned, 1.0 / g->distance, across);
 }
 
-struct vec3 turning_spring_rate(const struct turning_state *turning, const struct scene_instant *at,
-                                int contact, int part)
+struct vec3 turning_spring_rate(const struct scene_instant *at, int contact, int part)
 {
     const struct friction_law law = scene_friction_law(at->q, contact, part);
-    const struct friction_state rubbing = turning_rubbing(turning, at, contact, part);
+    const struct friction_state rubbing = turning_rubbing(at, contact, part);
     if (at->q->contact[contact].regime == (int32_t)REGIME_APART) {
         return vec3_make(0.0, 0.0, 0.0);
     }
@@ -883,7 +890,7 @@ struct vec3 turning_spring_rate(const struct turning_state *turning, const struc
 }
 
 /* Returns the acceleration of a body, or of the centre of its part that a contact meets [m/s^2]. */
-static struct vec3 acceleration_of_end(double clock, const struct scene_instant *at, int contact, int end)
+static struct vec3 acceleration_of_end(const struct scene_instant *at, int contact, int end)
 {
     const int body = end == 0 ? contact_source(contact) : contact_destination(contact);
     if (!body_is_compound(body)) {
@@ -891,7 +898,7 @@ static struct vec3 acceleration_of_end(double clock, const struct scene_instant 
     }
     const struct vec3 lever = scene_lever(at, contact, end);
     const struct vec3 omega = at->turning.body[body].angular_velocity;
-    const struct vec3 faster = vec3_cross(turning_acceleration(clock, at, body), lever);
+    const struct vec3 faster = vec3_cross(turning_acceleration(at, body), lever);
     const struct vec3 inward = vec3_cross(omega, vec3_cross(omega, lever));
     return vec3_add(at->acceleration[body], vec3_add(faster, inward));
 }
@@ -900,19 +907,18 @@ static struct vec3 acceleration_of_end(double clock, const struct scene_instant 
  * g'' = side (n'.w_g + n.w_g') with the rate w_g of c as the destination sees it, which turns with omega:
  *   w_g = w - omega x c,   w_g' = a_dst - a_src - omega' x c - omega x w,   n' = omega x n + T w_g / d
  */
-static double gap_acceleration(double clock, const struct scene_instant *at, int contact)
+static double gap_acceleration(const struct scene_instant *at, int contact)
 {
     const int destination = contact_destination(contact);
     const struct contact_shape shape = scene_shape_met(at, contact);
     const struct contact_geometry *g = &at->geometry[contact];
     const struct vec3 seen = rate_in_destination(at, contact);
-    struct vec3 change =
-        vec3_sub(acceleration_of_end(clock, at, contact, 1), acceleration_of_end(clock, at, contact, 0));
+    struct vec3 change = vec3_sub(acceleration_of_end(at, contact, 1), acceleration_of_end(at, contact, 0));
     double turned = 0.0;
     if (scene_turns(at->v) && !contact_is_skew(&shape)) {
         const struct vec3 c = at->separation[contact];
         const struct vec3 omega = at->turning.body[destination].angular_velocity;
-        const struct vec3 faster = turning_acceleration(clock, at, destination);
+        const struct vec3 faster = turning_acceleration(at, destination);
         change = vec3_sub(change, vec3_add(vec3_cross(faster, c), vec3_cross(omega, at->rate[contact])));
         turned = vec3_dot(vec3_cross(omega, g->normal), seen);
     }
@@ -920,31 +926,21 @@ static double gap_acceleration(double clock, const struct scene_instant *at, int
     return shape.side * (vec3_dot(g->normal, change) + turned);
 }
 
-double scene_pressing_acceleration(double clock, const struct scene_instant *at, int contact)
+double scene_pressing_acceleration(const struct scene_instant *at, int contact)
 {
     const double own = at->normal_force[contact] * scene_inverse_mass(at->v, contact);
-    return fmax(own - gap_acceleration(clock, at, contact), 0.0);
+    return fmax(own - gap_acceleration(at, contact), 0.0);
 }
 
-double turning_normal_force_rate(double clock, const struct scene_instant *at, int contact)
+double turning_normal_force_rate(const struct scene_instant *at, int contact)
 {
     const struct contact_law law = scene_contact_law(at->q, contact);
     const struct contact_geometry *g = &at->geometry[contact];
     const double gap = fmin(g->gap, -FRICTION_LEAST_DEPTH);
     const struct contact_slopes slopes =
         contact_force_slopes(&law, (enum contact_regime)at->q->contact[contact].regime, gap, g->gap_rate);
-    const double by_rate =
-        slopes.by_rate == 0.0 ? 0.0 : slopes.by_rate * gap_acceleration(clock, at, contact);
+    const double by_rate = slopes.by_rate == 0.0 ? 0.0 : slopes.by_rate * gap_acceleration(at, contact);
     return slopes.by_gap * g->gap_rate + by_rate;
-}
-
-double turning_friction_power_of(const struct scene_instant *at, int contact)
-{
-    double power = -vec3_dot(at->turning.friction_force[contact], at->turning.slip[contact]);
-    if (contact_resists(at->v, contact)) {
-        power -= vec3_dot(at->turning.resistance[contact], turning_spin(at, contact));
-    }
-    return power;
 }
 
 /* A distance d may count as zero only below this fraction of the bodies' size (contact_reach). */
@@ -952,13 +948,10 @@ static const double CENTRE = 1e-9;
 
 bool singularity_is_reached(const struct scene_instant *at, int contact, const struct contact_shape *shape)
 {
-    if (!SCENE_ANY_CURVED) {
-        return false;
-    }
     const struct contact_geometry *g = &at->geometry[contact];
     const double reach = contact_reach(shape);
-    if (g->degenerate || !contact_may_reach_centre(shape)) {
-        return g->degenerate;
+    if (!SCENE_ANY_CURVED || g->degenerate || !contact_may_reach_centre(shape)) {
+        return SCENE_ANY_CURVED && g->degenerate;
     }
     return reach + g->gap <= 16.0 * DBL_EPSILON * reach ||
            (g->distance <= CENTRE * reach && g->distance <= rounding_of_gap(at, contact));
@@ -980,7 +973,7 @@ struct vec3 singularity_escape(const struct contact_shape *shape, struct vec3 ra
 double singularity_rate(const struct scene_instant *at, int contact)
 {
     const struct contact_geometry *g = &at->geometry[contact];
-    if (g->distance > -g->gap) { /* less than half-way to the centre */
+    if (!SCENE_ANY_CURVED || g->distance > -g->gap) { /* less than half-way to the centre */
         return g->gap_rate;
     }
     const struct contact_shape shape = scene_shape_met(at, contact);
@@ -993,9 +986,6 @@ double singularity_rate(const struct scene_instant *at, int contact)
 
 double scene_outward_force(const struct scene_instant *at, int contact)
 {
-    if (!SCENE_ANY_CURVED) {
-        return at->normal_force[contact];
-    }
     const struct contact_geometry *g = &at->geometry[contact];
     const double rate = singularity_rate(at, contact);
     if (rate == g->gap_rate) {
@@ -1032,14 +1022,6 @@ bool zones_pass(struct scene_state *q, const struct scene_instant *at, int conta
     return contact_zone_jumps(&shape.solid, zone, next, c, at->geometry[contact].distance, rounding);
 }
 
-void zones_settle(struct scene_state *q, const struct scene_instant *at, int contact)
-{
-    if (SCENE_ANY_ZONES && zones_margin(at, contact) < -rounding_of_gap(at, contact)) {
-        const struct contact_shape shape = scene_contact_shape_at(at, contact);
-        q->contact[contact].zone = contact_zone_at(&shape.solid, at->separation[contact]);
-    }
-}
-
 double zones_margin(const struct scene_instant *at, int contact)
 {
     const int zone = at->q->contact[contact].zone;
@@ -1060,9 +1042,11 @@ enum zone zones_shown(const struct scene_instant *at, int contact)
     return contact_is_capped(&shape) ? (enum zone)abs(at->geometry[contact].zone) : ZONE_SIDE;
 }
 
-void scene_kinematics_now(const struct scene_state *q, struct scene_instant *at)
+CONTACT_NOT_FUSED CONTACT_FLATTEN void scene_kinematics_now(const struct scene_state *q,
+                                                            struct scene_instant *at)
 {
-    scene_kinematics(q, q->clock, q->body, at);
+    scene_place_bodies(q, q->clock, at);
+    scene_meet(NULL, at);
     if (SCENE_ANY_FREE) {
         scene_put_known_gaps(at);
     }
@@ -1071,7 +1055,7 @@ void scene_kinematics_now(const struct scene_state *q, struct scene_instant *at)
 void scene_now(const struct scene_state *q, struct scene_instant *at)
 {
     scene_kinematics_now(q, at);
-    scene_forces(q->clock, &q->turning, NULL, at);
+    scene_forces(NULL, at);
 }
 
 /* Distance from an open end, in rounding bounds of the axial position, below which rounding may decide the
@@ -1096,13 +1080,7 @@ enum contact_regime scene_regime(const struct scene_instant *at, int contact, bo
     const struct contact_law law = scene_contact_law(at->q, contact);
     const struct contact_shape shape = scene_contact_shape(at->q, contact);
     const struct contact_geometry *g = &at->geometry[contact];
-    double rate;
-    if (SCENE_ANY_CURVED) {
-        rate = singularity_rate(at, contact);
-    } else {
-        rate = g->gap_rate;
-    }
-    return contact_regime_of(&law, touching ? fmin(g->gap, -DBL_MIN) : g->gap, rate,
+    return contact_regime_of(&law, touching ? fmin(g->gap, -DBL_MIN) : g->gap, singularity_rate(at, contact),
                              touching || scene_beyond_ends(&shape, g) <= 0.0);
 }
 
@@ -1130,8 +1108,8 @@ static double onset_speed(const struct scene_instant *at, int contact)
     }
     const struct contact_law law = scene_contact_law(at->q, contact);
     struct scene_instant apart = *at;
-    scene_forces(at->q->clock, &at->q->turning, NULL, &apart); /* the contact has no force yet */
-    const double a = scene_pressing_acceleration(at->q->clock, &apart, contact);
+    scene_forces(NULL, &apart); /* the contact has no force yet */
+    const double a = scene_pressing_acceleration(&apart, contact);
     const double depth = cbrt(pow(a / (contact_factors_of(&law).k * per_mass), 2.0));
     return sqrt(fmax(speed_squared, 1.2 * a * depth));
 }
@@ -1146,10 +1124,7 @@ enum contact_regime onset_note(struct scene_state *q, const struct scene_instant
     }
     const double damping = state->parameters.factors.c / onset_speed(at, contact);
     state->onset_damping = isfinite(damping) ? damping : 0.0;
-    const struct contact_law law = scene_contact_law(q, contact);
-    const struct contact_geometry *g = &at->geometry[contact];
-    const enum contact_regime deep = scene_regime(at, contact, false);
-    return deep != REGIME_APART ? deep : contact_regime_of(&law, -DBL_MIN, g->gap_rate, true);
+    return scene_regime(at, contact, true);
 }
 
 /* The factor chi v is given, so that d chi = -chi dv / v, where 2 v dv is the change of v^2. */
@@ -1285,7 +1260,7 @@ struct scene_energies scene_energies_of(const struct scene_instant *at)
         if (contact_has_spring(at->v, j, part) && at->q->contact[j].regime != (int32_t)REGIME_APART) {
             const struct friction_law law = scene_friction_law(at->q, j, part);
             const enum friction_regime regime = (enum friction_regime)at->q->contact[j].friction_regime[part];
-            const struct friction_state rubbing = turning_rubbing(&at->q->turning, at, j, part);
+            const struct friction_state rubbing = turning_rubbing(at, j, part);
             const struct vec3 spring = friction_spring(&law, regime, rubbing);
             sum.tangential += 0.5 * friction_stiffness(&law, rubbing.depth) * vec3_dot(spring, spring);
         }
@@ -1293,24 +1268,29 @@ struct scene_energies scene_energies_of(const struct scene_instant *at)
     return sum;
 }
 
-double energy_dissipated_power_of(const struct scene_instant *at, int contact)
+struct scene_powers scene_powers_of_contact(const struct scene_instant *at, int contact)
 {
-    const struct contact_law law = scene_contact_law(at->q, contact);
-    const struct contact_geometry *g = &at->geometry[contact];
     const enum contact_regime regime = (enum contact_regime)at->q->contact[contact].regime;
-    const double force = at->normal_force[contact] + contact_stored_slope(&law, regime, g->gap);
-    return regime == REGIME_APART ? 0.0 : -force * g->gap_rate;
+    struct scene_powers power = {.external = driving_power(at, contact)};
+    if (regime != REGIME_APART) {
+        const struct contact_law law = scene_contact_law(at->q, contact);
+        const struct contact_geometry *g = &at->geometry[contact];
+        power.dissipated =
+            -(at->normal_force[contact] + contact_stored_slope(&law, regime, g->gap)) * g->gap_rate;
+    }
+    if (contact_rubs(at->v, contact)) {
+        power.friction -= vec3_dot(at->turning.friction_force[contact], at->turning.slip[contact]);
+    }
+    if (contact_resists(at->v, contact)) {
+        power.friction -= vec3_dot(at->turning.resistance[contact], turning_spin(at, contact));
+    }
+    return power;
 }
 
-void present_body(struct scene_values *v, int body, struct vec3 displacement, struct vec3 velocity)
+void present_body(struct scene_values *v, const struct scene_state *q, int body, struct body_state state)
 {
+    const struct vec3 displacement = scene_displacement_of(q, body, state.moved);
     put_body_displacement(v, body, displacement);
     put_body_position(v, body, vec3_add(body_center(v, body), displacement));
-    put_body_velocity(v, body, velocity);
-}
-
-void present_body_now(struct scene_values *v, const struct scene_state *q, int body)
-{
-    const struct body_instant at = scene_body_now(q, body);
-    present_body(v, body, at.displacement, at.velocity);
+    put_body_velocity(v, body, state.velocity);
 }

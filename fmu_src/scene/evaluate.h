@@ -21,13 +21,15 @@ struct turning_instant {
     /* the torque M by which a contact resists rolling and spinning, a part of source_torque [N m] */
     struct vec3 resistance[SCENE_CONTACTS];
     struct vec3 source_torque[SCENE_CONTACTS], destination_torque[SCENE_CONTACTS]; /* [N m] */
+    struct vec3 spring[SCENE_CONTACTS][OPPOSED]; /* as in struct turning_state */
 };
 
 struct scene_instant {
     /* The instant belongs to these values and to this state, which must live as long as it does.
-     * scene_place_bodies sets both. */
+     * scene_place_bodies sets them and the clock. */
     const struct scene_values *v;
     const struct scene_state *q;
+    double clock;                           /* [s] */
     struct vec3 displacement[SCENE_BODIES]; /* u [m] */
     struct vec3 moved[SCENE_BODIES];        /* the part of u since clock 0 [m] */
     struct vec3 velocity[SCENE_BODIES];     /* v [m/s] */
@@ -39,13 +41,6 @@ struct scene_instant {
     double normal_force[SCENE_CONTACTS];      /* F_n of the smooth law of the regime [N] */
     struct vec3 source_force[SCENE_CONTACTS]; /* contact force, friction included [N] */
     struct turning_instant turning;
-};
-
-/* One body at one instant. */
-struct body_instant {
-    struct vec3 moved;        /* the part of u since clock 0 [m] */
-    struct vec3 displacement; /* u [m] */
-    struct vec3 velocity;     /* v [m/s] */
 };
 
 /* scene_contact_shape returns the shape of a contact; where the shape is divided into zones and the bodies
@@ -72,38 +67,32 @@ bool scene_is_hertz(const struct scene_values *v, int contact);
 /* Whether a contact has Hertz's law and its damping follows from the speed at each onset. */
 bool scene_damps_by_onset(const struct scene_values *v, int contact);
 
-/* Returns one body at the present clock of q. */
-struct body_instant scene_body_now(const struct scene_state *q, int body);
-
-/* Computes u and v of every body and the geometry of every contact at a clock. `bodies` holds SCENE_BODIES
- * states, of which those of free bodies are read; it may be NULL where no body is free. */
-void scene_kinematics(const struct scene_state *q, double clock, const struct body_state *bodies,
-                      struct scene_instant *at);
+/* Returns the motion of one body at the present clock of q, and u [m] of a body that has `moved` [m] since
+ * clock 0. */
+struct body_state scene_body_now(const struct scene_state *q, int body);
+struct vec3 scene_displacement_of(const struct scene_state *q, int body, struct vec3 moved);
 
 /*
  * An integrator may leave contacts out that are apart: `met` says for each contact whether it counts; NULL
  * stands for all. A contact that is left out has no geometry, and all of its forces and torques are zero.
  */
 
-/* Sets the motion of the bodies alone, with the rotations in `turning`. */
-void scene_place_bodies(const struct scene_state *q, double clock, const struct body_state *bodies,
-                        const struct turning_state *turning, struct scene_instant *at);
+/* Sets the motion of the bodies alone, and the springs. Free motions, free rotations and springs are those of
+ * q; scene_place_body puts one body elsewhere. */
+void scene_place_bodies(const struct scene_state *q, double clock, struct scene_instant *at);
+void scene_place_body(struct body_state state, int body, struct scene_instant *at);
 
 /* Computes the geometry of the contacts of an instant that has the motion of the bodies. */
 void scene_meet(const bool *met, struct scene_instant *at);
 
-/* Computes the kinematics, accelerations and forces of the instant in the regimes of q, with the rotations
- * and springs in `turning`. */
-void scene_evaluate(const struct scene_state *q, double clock, const struct body_state *bodies,
-                    const struct turning_state *turning, const bool *met, struct scene_instant *at);
+/* Computes the kinematics, accelerations and forces of the instant in the regimes of q. */
+void scene_evaluate(const struct scene_state *q, double clock, const bool *met, struct scene_instant *at);
 
 /* Returns the shape of a contact with the destination's axis at the instant. */
 struct contact_shape scene_contact_shape_at(const struct scene_instant *at, int contact);
 
-/* Completes an instant that has kinematics by the accelerations and forces in the regimes of at->q, with the
- * springs in `turning`. */
-void scene_forces(double clock, const struct turning_state *turning, const bool *met,
-                  struct scene_instant *at);
+/* Completes an instant that has kinematics by the accelerations and forces in the regimes of at->q. */
+void scene_forces(const bool *met, struct scene_instant *at);
 
 /* Returns how far the source's centre is beyond the destination's end planes [m], at most zero within;
  * -INFINITY without ends. A race ends at the cylinder rho = R; no source that touches an outer race has
@@ -119,14 +108,12 @@ double scene_inverse_mass(const struct scene_values *v, int contact);
 /* Returns the acceleration that presses a contact's bodies together [m/s^2]: -g'' without the contact's own
  * normal force, at least zero. The function divides this force by the effective mass, and leaves out the
  * turning that the force causes. `at` must have forces. */
-double scene_pressing_acceleration(double clock, const struct scene_instant *at, int contact);
+double scene_pressing_acceleration(const struct scene_instant *at, int contact);
 
-/* Returns the torque on the destination about its centre [N m] where nothing turns or rubs. The torque is c x
- * F, because the lever arm of the source is along F, and zero where the destination is a sphere. */
-struct vec3 scene_torque_of_force(const struct scene_instant *at, int contact);
-
-/* Returns the power [W] that the drives of prescribed motions and rotations spend against a contact. */
-double scene_driving_power(const struct scene_instant *at, int contact);
+/* Returns the rates of a contact's impulses [N, N m]. Where nothing turns or rubs, the torque on the
+ * destination is c x F, because the lever arm of the source is along F, and zero where the destination is a
+ * sphere. */
+struct contact_impulses scene_impulse_rates(const struct scene_instant *at, int contact);
 
 /*
  * Bodies that turn and contacts that rub, at one instant. Frame: world; SI units.
@@ -182,8 +169,8 @@ struct body_turn turning_prescribed_at(const struct scene_state *q, double clock
 /* Completes an instant that has kinematics, arms and slips by given contact forces [N] and resistances to
  * rolling and spinning [N m] on the sources, one for each contact: accelerations, F_n, and where scene_turns
  * torques and F_t. */
-void scene_put_contact_forces(double clock, const struct vec3 *force, const struct vec3 *torque,
-                              const bool *met, struct scene_instant *at);
+void scene_put_contact_forces(const struct vec3 *force, const struct vec3 *torque, const bool *met,
+                              struct scene_instant *at);
 
 /* Adds rotations, friction and torques to an instant that has geometry and normal forces. */
 void turning_complete(struct scene_instant *at);
@@ -234,46 +221,42 @@ double rounding_margin_offset(const struct scene_instant *at, int contact, doubl
 struct vec3 body_part_that_turns(const struct scene_values *v, int body, struct vec3 a);
 
 /* Returns the sums of the forces [N] and torques [N m] of the contacts of a body; the torques only where
- * scene_turns. */
+ * scene_turns. contact_load_add adds those of one contact, with its force on the source. */
 struct contact_load {
     struct vec3 force, torque;
 };
 struct contact_load scene_load_on(const struct scene_instant *at, int body);
+void contact_load_add(int contact, int body, struct vec3 force, struct vec3 source_torque,
+                      struct vec3 destination_torque, struct contact_load *sum);
 
 /* Returns the part that turns a body of the sum of contact torques and external torque about its centre
  * [N m]. */
-struct vec3 turning_torque_on(double clock, const struct scene_instant *at, int body);
+struct vec3 turning_torque_on(const struct scene_instant *at, int body);
 
 /* Returns d omega/dt of a body [rad/s^2]. For a body that turns freely under the torque tau it is the
  * angular velocity (body_rotation_of) of the spin tau / I_1 - omega x L / I_1. */
-struct vec3 turning_acceleration(double clock, const struct scene_instant *at, int body);
+struct vec3 turning_acceleration(const struct scene_instant *at, int body);
 
 /* Returns the laws of a contact. */
 struct turning_laws turning_laws_of(const struct scene_state *q, int contact);
 
 /* Returns the normal force, and of an opposed motion of a contact (contact/friction.h) the motion and the
  * spring. */
-struct friction_state turning_rubbing(const struct turning_state *turning, const struct scene_instant *at,
-                                      int contact, int part);
+struct friction_state turning_rubbing(const struct scene_instant *at, int contact, int part);
 
 /* Returns n', the rate of the normal [1/s]. */
 struct vec3 turning_normal_rate(const struct scene_instant *at, int contact);
 
 /* Returns the rate of a spring, xi' [m/s] or theta' [rad/s], with its turning by the normal included. */
-struct vec3 turning_spring_rate(const struct turning_state *turning, const struct scene_instant *at,
-                                int contact, int part);
+struct vec3 turning_spring_rate(const struct scene_instant *at, int contact, int part);
 
 /* Returns the rate of the normal force [N/s]. The instant must have accelerations. */
-double turning_normal_force_rate(double clock, const struct scene_instant *at, int contact);
+double turning_normal_force_rate(const struct scene_instant *at, int contact);
 
 /* Returns omega, the angular velocity of the source as the destination sees it [rad/s], and the size of the
  * terms whose difference omega is. */
 struct vec3 turning_spin(const struct scene_instant *at, int contact);
 double turning_spin_size(const struct scene_instant *at, int contact);
-
-/* Returns the power that friction with its springs and the resistance to rolling take in a contact,
- * -F_t.v_t - M.omega [W]. */
-double turning_friction_power_of(const struct scene_instant *at, int contact);
 
 /* Whether d = 0 within rounding, by positions or by the accumulated gap. Solid bodies may reach this
  * singularity, where n is undefined and reverses; the escape direction takes the place of n. */
@@ -303,9 +286,6 @@ void zones_follow(struct scene_state *q, const struct scene_instant *at, int con
 /* Sets the next zone of the contact. Returns whether n jumps at its edge: it does where the centre is inside
  * the solid or at the circle of the rim. */
 bool zones_pass(struct scene_state *q, const struct scene_instant *at, int contact);
-
-/* Sets the zone that the source faces where its centre is outside the present zone by more than rounding. */
-void zones_settle(struct scene_state *q, const struct scene_instant *at, int contact);
 
 /* Returns how far the source's centre is inside the edges of the zone [m]; 1 m where there is no zone. */
 double zones_margin(const struct scene_instant *at, int contact);
@@ -377,18 +357,15 @@ double energy_potential(const struct scene_instant *at, struct vec3 field);
 /* Returns the energy that the normal forces of all contacts store. */
 double energy_stored(const struct scene_instant *at);
 
-/* Returns the power that the dashpot of a contact dissipates [W]. */
-double energy_dissipated_power_of(const struct scene_instant *at, int contact);
-
-/* Powers summed over bodies and contacts [W]: of the dashpots; of the external forces and torques and of the
- * drives of prescribed motions; of friction with its springs and of the resistances to rolling and
- * spinning. */
+/* Powers [W], of one contact or summed over bodies and contacts: those that dashpots dissipate; those of the
+ * external forces and torques, and of the drives of prescribed motions and rotations against contacts; those
+ * that friction with its springs and the resistances to rolling and spinning take, -F_t.v_t - M.omega. */
 struct scene_powers {
     double dissipated, external, friction;
 };
+struct scene_powers scene_powers_of_contact(const struct scene_instant *at, int contact);
 
-/* Sets a body's outputs displacement, position and velocity to these values, or to those of the present. */
-void present_body(struct scene_values *v, int body, struct vec3 displacement, struct vec3 velocity);
-void present_body_now(struct scene_values *v, const struct scene_state *q, int body);
+/* Sets the outputs displacement, position and velocity of a body of q. */
+void present_body(struct scene_values *v, const struct scene_state *q, int body, struct body_state state);
 
 #endif

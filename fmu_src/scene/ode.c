@@ -9,13 +9,11 @@
 
 enum { BODY_STATES = 6 };
 
-/* Returns the index in y of the next `count` states and moves *next past them; returns -1 where they are not
- * wanted. */
-static int take_states(bool wanted, int count, int *next)
+/* Returns the index in y of the next `count` states; returns -1 where they are not wanted. */
+static int take_states(bool wanted, int count, struct ode_layout *layout)
 {
-    const int index = *next;
-    *next += wanted ? count : 0;
-    return wanted ? index : -1;
+    layout->size += wanted ? count : 0;
+    return wanted ? layout->size - count : -1;
 }
 
 /* Whether a body that touches nothing flies by a closed form of the clock, and a contact that is apart does
@@ -29,11 +27,9 @@ static bool flies_unseen(const struct scene_state *q, int body, int contact)
            !(body_tips(q->v, body) && contact_is_coupled(q, contact));
 }
 
-/* Sets which bodies have states: all that move where `q` is NULL, else those in contact. Returns whether all
- * have. */
-static bool find_bodies(const struct scene_values *v, const struct scene_state *q, bool has[SCENE_BODIES])
+/* Sets which bodies have states: all that move where `q` is NULL, else those in contact. */
+static void find_bodies(const struct scene_values *v, const struct scene_state *q, bool has[SCENE_BODIES])
 {
-    bool all = true;
     for (int i = 0; i < SCENE_BODIES; ++i) {
         has[i] = body_moves_freely(v, i) && (SCENE_CONTACTS == 1 || q == NULL);
     }
@@ -43,10 +39,6 @@ static bool find_bodies(const struct scene_values *v, const struct scene_state *
         const bool apart = q->contact[j].regime == (int32_t)REGIME_APART;
         has[body] = has[body] || (body_moves_freely(v, body) && !(apart && flies_unseen(q, body, j)));
     }
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        all = all && (has[i] || !body_moves_freely(v, i));
-    }
-    return all;
 }
 
 /* Writes the number of the group of each body to `of_body`, and that of each contact to layout->island. A
@@ -75,18 +67,18 @@ static void find_groups(const struct scene_state *q, int of_body[SCENE_BODIES], 
 
 /* Lays out those states of one group on which the rates of other states depend. */
 static void lay_out_group(const struct scene_values *v, const bool has[SCENE_BODIES],
-                          const int of_body[SCENE_BODIES], int group, struct ode_layout *layout, int *next)
+                          const int of_body[SCENE_BODIES], int group, struct ode_layout *layout)
 {
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (of_body[i] == group) {
-            layout->body[i] = take_states(has[i] && body_is_free(v, i), BODY_STATES, next);
-            layout->spin[i] = take_states(has[i] && body_turns_freely(v, i), 3, next);
-            layout->orientation[i] = take_states(layout->spin[i] >= 0 && body_tips(v, i), 4, next);
+            layout->body[i] = take_states(has[i] && body_is_free(v, i), BODY_STATES, layout);
+            layout->spin[i] = take_states(has[i] && body_turns_freely(v, i), 3, layout);
+            layout->orientation[i] = take_states(layout->spin[i] >= 0 && body_tips(v, i), 4, layout);
         }
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         for (int i = 0; layout->island[j] == group && i < OPPOSED; ++i) {
-            layout->spring[j][i] = take_states(contact_has_spring(v, j, i), 3, next);
+            layout->spring[j][i] = take_states(contact_has_spring(v, j, i), 3, layout);
         }
     }
 }
@@ -96,67 +88,44 @@ struct ode_layout ode_layout_of(const struct scene_values *v, const struct scene
     struct ode_layout layout;
     int of_body[SCENE_BODIES];
     bool has[SCENE_BODIES];
-    int next = 0;
-    layout.is_whole = find_bodies(v, q, has);
+    layout.size = 0;
+    find_bodies(v, q, has);
     find_groups(q, of_body, &layout);
     memset(layout.spring, -1, sizeof layout.spring);
     memset(layout.spin, -1, sizeof layout.spin);
     for (int group = 0; group < layout.groups; ++group) {
-        lay_out_group(v, has, of_body, group, &layout, &next);
-        layout.group_end[group] = next;
+        lay_out_group(v, has, of_body, group, &layout);
+        layout.group_end[group] = layout.size;
     }
-    layout.coupled = next;
+    layout.coupled = layout.size;
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (layout.spin[i] >= 0 && !body_tips(v, i)) {
-            layout.orientation[i] = take_states(true, 4, &next);
+            layout.orientation[i] = take_states(true, 4, &layout);
         }
     }
-    layout.integrals = next;
+    layout.integrals = layout.size;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         layout.met[j] = SCENE_CONTACTS == 1 || q == NULL || q->contact[j].regime != (int32_t)REGIME_APART ||
                         has[contact_source(j)] || has[contact_destination(j)];
-        layout.is_whole = layout.is_whole && layout.met[j];
-        layout.impulse[j] = take_states(layout.met[j], ode_impulses(v), &next);
+        layout.impulse[j] = take_states(layout.met[j], ode_impulses(v), &layout);
     }
-    layout.dissipated = next;
-    layout.size = next + (scene_turns(v) ? 3 : 2);
+    layout.dissipated = take_states(true, scene_turns(v) ? 3 : 2, &layout);
     return layout;
 }
 
-/* Returns which contacts y has; NULL: all. */
-static const bool *met_of(const struct scene_ode *ode)
+/* Reads the rotation of a body from y, whose orientation may have any length. The orientation of a body that
+ * does not tip is read only if `all` are wanted. */
+static void read_turn(const struct scene_ode *ode, const double *y, int body, bool all,
+                      struct body_turn *turn)
 {
-    return ode->layout.is_whole ? NULL : ode->layout.met;
-}
-
-/* Reads the springs of a contact from y. */
-static void unpack_springs(const struct scene_ode *ode, const double *y, int contact,
-                           struct turning_state *turning)
-{
-    for (int i = 0; i < OPPOSED; ++i) {
-        const int spring = ode->layout.spring[contact][i];
-        turning->spring[contact][i] =
-            spring >= 0 ? vec3_from(y + spring) : ode->state->turning.spring[contact][i];
+    const int orientation = ode->layout.orientation[body];
+    const struct vec3 spin = vec3_from(y + ode->layout.spin[body]);
+    const bool tips = orientation < ode->layout.coupled;
+    if (all || tips) {
+        turn->orientation = quaternion_unit(quaternion_from(y + orientation));
     }
-}
-
-/* Reads rotations and springs from y, whose orientations may have any length. */
-static void turning_unpack(const struct scene_ode *ode, const double *y, struct turning_state *turning)
-{
-    const struct ode_layout *layout = &ode->layout;
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (layout->spin[i] >= 0) {
-            struct body_turn *turn = &turning->body[i];
-            const struct vec3 spin = vec3_from(y + layout->spin[i]);
-            turn->orientation = quaternion_unit(quaternion_from(y + layout->orientation[i]));
-            turn->angular_velocity = body_rotation_of(ode->values, i, turn->orientation, spin);
-        }
-    }
-    for (int j = 0; SCENE_ANY_SPRINGS && j < SCENE_CONTACTS; ++j) {
-        if (layout->met[j]) {
-            unpack_springs(ode, y, j, turning);
-        }
-    }
+    turn->angular_velocity = tips ? body_rotation_of(ode->values, body, turn->orientation, spin)
+                                  : body_part_that_turns(ode->values, body, spin);
 }
 
 /* Sets the sizes of the components of a vector in y to its length, or to `least` if this is larger. */
@@ -192,26 +161,25 @@ static bool breaks_away(const struct turning_laws *laws)
 
 /* Sets the event functions of friction without offsets. Sticking ends at the lesser of mu_s F_n and F_max;
  * each of the two has an event function, because the minimum is not smooth. */
-static void friction_events(const struct scene_ode *ode, double clock, const struct turning_state *turning,
-                            const struct scene_instant *at, int contact, double *out)
+static void friction_events(const struct scene_instant *at, int contact, double *out)
 {
     if (!SCENE_ANY_FRICTION) {
         return; /* `out` has no room for events of friction */
     }
-    const struct turning_laws laws = turning_laws_of(ode->state, contact);
+    const struct turning_laws laws = turning_laws_of(at->q, contact);
     const struct friction_law *law = &laws.rubbing[OPPOSED_SLIP];
     const enum friction_regime regime = laws.rubbing_regime[OPPOSED_SLIP];
     const double force = at->normal_force[contact];
-    const double force_rate = turning_normal_force_rate(clock, at, contact);
-    for (int i = 0; i < contact_opposed(ode->values, contact); ++i) {
-        const struct friction_state rubbing = turning_rubbing(turning, at, contact, i);
+    const double force_rate = turning_normal_force_rate(at, contact);
+    for (int i = 0; i < contact_opposed(at->v, contact); ++i) {
+        const struct friction_state rubbing = turning_rubbing(at, contact, i);
         out[ode_stick_event(i)] =
             friction_stick_event(&laws.rubbing[i], laws.rubbing_regime[i], rubbing, force_rate);
     }
     out[ODE_EVENT_CAP] = friction_cap_event(law, regime, force);
     if (breaks_away(&laws)) {
-        const double carried = vec3_norm(
-            friction_force(law, FRICTION_STICKING, turning_rubbing(turning, at, contact, OPPOSED_SLIP)));
+        const double carried =
+            vec3_norm(friction_force(law, FRICTION_STICKING, turning_rubbing(at, contact, OPPOSED_SLIP)));
         out[ODE_EVENT_STICK] = law->static_coefficient * force - carried;
         out[ODE_EVENT_CAP] = law->largest - carried;
     }
@@ -255,12 +223,10 @@ static double stick_rounding(const struct friction_law *law, enum friction_regim
     return is_force ? law->damping * tolerated + of_limit : tolerated;
 }
 
-void turning_friction_events(struct scene_ode *ode, const struct scene_instant *at, int contact,
-                             double tolerated, double relative, double absolute,
-                             double events[ODE_EVENTS_EACH])
+void turning_friction_events(const struct scene_instant *at, int contact, double tolerated, double relative,
+                             double absolute, double offset[ODE_EVENTS_EACH], double events[ODE_EVENTS_EACH])
 {
-    double *offset = ode->offset[contact];
-    const struct turning_laws laws = turning_laws_of(ode->state, contact);
+    const struct turning_laws laws = turning_laws_of(at->q, contact);
     const double force = at->normal_force[contact];
     const struct contact_geometry *g = &at->geometry[contact];
     const double by_rate = contact_force_slopes(&laws.normal, laws.regime, g->gap, g->gap_rate).by_rate;
@@ -269,7 +235,8 @@ void turning_friction_events(struct scene_ode *ode, const struct scene_instant *
     for (int i = 0; i < ODE_EVENTS_EACH; ++i) {
         events[i] = 1.0;
     }
-    for (int i = 0; i < contact_opposed(ode->values, contact); ++i) {
+    memset(offset + ODE_EVENT_STICK, 0, (ODE_EVENT_ZONE - ODE_EVENT_STICK) * sizeof *offset);
+    for (int i = 0; i < contact_opposed(at->v, contact); ++i) {
         const double of_motion =
             i == OPPOSED_SLIP ? tolerated : relative * turning_spin_size(at, contact) + absolute;
         offset[ode_stick_event(i)] =
@@ -281,25 +248,9 @@ void turning_friction_events(struct scene_ode *ode, const struct scene_instant *
     offset[ODE_EVENT_LIFT] =
         2.0 *
         (contact_is_hertz(&laws.normal) ? 8.0 * DBL_EPSILON + laws.normal.damping * tolerated : rounding);
-    friction_events(ode, ode->state->clock, &ode->state->turning, at, contact, events);
+    friction_events(at, contact, events);
     for (int i = ODE_EVENT_STICK; i < ODE_EVENT_ZONE; ++i) {
         events[i] += offset[i];
-    }
-}
-
-/* Sets the offsets of friction's event functions, so that each starts above zero. The speeds have errors of
- * at most `tolerated` [m/s]. */
-static void turning_begin(struct scene_ode *ode, const struct scene_instant *at, int contact,
-                          double tolerated, double relative, double absolute)
-{
-    double events[ODE_EVENTS_EACH];
-    if (!SCENE_ANY_FRICTION || !contact_transmits(ode->state, contact) ||
-        !contact_rubs(ode->values, contact)) {
-        return; /* `events` has no room for events of friction */
-    }
-    turning_friction_events(ode, at, contact, tolerated, relative, absolute, events);
-    for (int i = ODE_EVENT_STICK; i < ODE_EVENT_ZONE; ++i) {
-        ode->offset[contact][i] += 2.0 * fmax(-events[i], 0.0);
     }
 }
 
@@ -364,8 +315,12 @@ void ode_begin(struct scene_ode *ode, const struct scene_instant *at, double rel
             const double outside = fmax(-zones_margin(at, j), 0.0);
             offset[ODE_EVENT_ZONE] = offset[ODE_EVENT_GAP] + 2.0 * outside;
         }
-        if (scene_turns(v)) {
-            turning_begin(ode, at, j, tolerated, relative, absolute);
+        if (SCENE_ANY_FRICTION && contact_rubs(v, j) && contact_transmits(ode->state, j)) {
+            double events[ODE_EVENTS_EACH];
+            turning_friction_events(at, j, tolerated, relative, absolute, offset, events);
+            for (int i = ODE_EVENT_STICK; i < ODE_EVENT_ZONE; ++i) { /* each starts above zero */
+                offset[i] += 2.0 * fmax(-events[i], 0.0);
+            }
         }
     }
 }
@@ -420,62 +375,52 @@ void ode_pack(const struct scene_ode *ode, double *y)
 void ode_unpack(const struct scene_ode *ode, struct scene_state *q, const double *y)
 {
     copy_states(ode, false, q, (double *)y);
-    if (scene_turns(ode->values)) {
-        turning_unpack(ode, y, &q->turning);
+    for (int i = 0; SCENE_ANY_ROTATION && i < SCENE_BODIES; ++i) {
+        if (ode->layout.spin[i] >= 0) {
+            read_turn(ode, y, i, true, &q->turning.body[i]);
+        }
     }
 }
 
 void ode_other_motion(const struct scene_ode *ode, double clock, struct scene_instant *at)
 {
-    struct body_state bodies[SCENE_BODIES];
-    memcpy(bodies, ode->state->body, sizeof bodies);
-    for (int i = 0; !ode->layout.is_whole && i < SCENE_BODIES; ++i) {
+    scene_place_bodies(ode->state, clock, at);
+    for (int i = 0; i < SCENE_BODIES; ++i) {
         if (ode->layout.body[i] < 0 && body_is_free(ode->values, i)) {
-            bodies[i] = ode->flight(ode->state, i, clock);
+            scene_place_body(ode->flight(ode->state, i, clock), i, at);
         }
     }
-    scene_place_bodies(ode->state, clock, bodies, &ode->state->turning, at);
 }
 
 void ode_contact_motion(const struct scene_ode *ode, const double *y, bool all, struct scene_instant *at)
 {
     bool touching[SCENE_CONTACTS];
-    const bool *met = met_of(ode);
-    const struct scene_values *v = ode->values;
     const struct ode_layout *layout = &ode->layout;
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        struct body_turn *turn = &at->turning.body[i];
         if (layout->body[i] >= 0) {
-            at->moved[i] = vec3_from(y + layout->body[i]);
-            at->displacement[i] = vec3_add(ode->state->origin[i].displacement, at->moved[i]);
-            at->velocity[i] = vec3_from(y + layout->body[i] + 3);
+            const double *state = y + layout->body[i];
+            scene_place_body((struct body_state){vec3_from(state), vec3_from(state + 3)}, i, at);
         }
-        if (layout->spin[i] >= 0) {
-            turn->angular_velocity = body_part_that_turns(v, i, vec3_from(y + layout->spin[i]));
-            if (layout->orientation[i] < layout->coupled) { /* no contact sees how a sphere is turned */
-                turn->orientation = quaternion_unit(quaternion_from(y + layout->orientation[i]));
-                turn->angular_velocity = body_rotation_of(v, i, turn->orientation, turn->angular_velocity);
+        if (SCENE_ANY_ROTATION && layout->spin[i] >= 0) {
+            read_turn(ode, y, i, false, &at->turning.body[i]); /* no contact sees how a sphere is turned */
+        }
+    }
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        touching[j] = layout->island[j] >= 0;
+        for (int i = 0; SCENE_ANY_SPRINGS && i < OPPOSED; ++i) {
+            if (layout->spring[j][i] >= 0) {
+                at->turning.spring[j][i] = vec3_from(y + layout->spring[j][i]);
             }
         }
     }
-    if (SCENE_CONTACTS > 1 && !all) {
-        for (int j = 0; j < SCENE_CONTACTS; ++j) {
-            touching[j] = layout->island[j] >= 0;
-        }
-        met = touching;
-    }
-    scene_meet(met, at);
+    scene_meet(all ? layout->met : touching, at);
 }
 
 void ode_instant(const struct scene_ode *ode, double clock, const double *y, struct scene_instant *at)
 {
-    struct turning_state turning; /* the springs alone */
     ode_other_motion(ode, clock, at);
     ode_contact_motion(ode, y, true, at);
-    for (int j = 0; SCENE_ANY_TURNING && j < SCENE_CONTACTS; ++j) {
-        unpack_springs(ode, y, j, &turning);
-    }
-    scene_forces(clock, &turning, met_of(ode), at);
+    scene_forces(ode->layout.met, at);
 }
 
 void ode_rates_without_contact(const struct scene_ode *ode, double clock, double *rates)
@@ -493,41 +438,42 @@ void ode_rates_without_contact(const struct scene_ode *ode, double clock, double
     }
 }
 
-struct scene_powers ode_powers(const struct scene_ode *ode, double clock, const struct scene_instant *at)
+struct scene_powers ode_powers(const struct scene_ode *ode, const struct scene_instant *at)
 {
     struct scene_powers sum = {0.0, 0.0, 0.0};
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (ode->layout.body[i] >= 0) {
-            sum.external += vec3_dot(path_at(ode->state->path[i].force, 3, clock), at->velocity[i]);
+            sum.external += vec3_dot(path_at(ode->state->path[i].force, 3, at->clock), at->velocity[i]);
         }
         if (ode->layout.spin[i] >= 0) {
-            const struct vec3 torque = path_at(ode->state->path[i].torque, 3, clock);
+            const struct vec3 torque = path_at(ode->state->path[i].torque, 3, at->clock);
             sum.external += vec3_dot(torque, at->turning.body[i].angular_velocity);
         }
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        sum.dissipated += energy_dissipated_power_of(at, j);
-        sum.external += ode->layout.met[j] ? scene_driving_power(at, j) : 0.0;
-        sum.friction += contact_rubs(ode->values, j) ? turning_friction_power_of(at, j) : 0.0;
+        if (ode->layout.met[j]) {
+            const struct scene_powers of = scene_powers_of_contact(at, j);
+            sum.dissipated += of.dissipated;
+            sum.external += of.external;
+            sum.friction += of.friction;
+        }
     }
     return sum;
 }
 
 /* Writes the rates of all states at an instant. */
-static void put_scene_rates(const struct scene_ode *ode, double clock, const double *y,
-                            const struct scene_instant *at, double *rates)
+static void put_scene_rates(const struct scene_ode *ode, const double *y, const struct scene_instant *at,
+                            double *rates)
 {
     const struct scene_values *v = ode->values;
     const struct ode_layout *layout = &ode->layout;
-    const bool turns = scene_turns(v);
-    struct turning_state turning;
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (layout->body[i] >= 0) {
             vec3_to(at->velocity[i], rates + layout->body[i]);
             vec3_to(at->acceleration[i], rates + layout->body[i] + 3);
         }
         if (SCENE_ANY_ROTATION && layout->spin[i] >= 0) {
-            const struct vec3 torque = turning_torque_on(clock, at, i);
+            const struct vec3 torque = turning_torque_on(at, i);
             const struct quaternion orientation = quaternion_from(y + layout->orientation[i]);
             vec3_to(vec3_scale(1.0 / body_inertia_of(v, i).x, torque), rates + layout->spin[i]);
             quaternion_to(quaternion_rate(orientation, at->turning.body[i].angular_velocity),
@@ -538,43 +484,30 @@ static void put_scene_rates(const struct scene_ode *ode, double clock, const dou
         if (!layout->met[j]) {
             continue;
         }
-        double *impulse = rates + layout->impulse[j];
-        vec3_to(at->source_force[j], impulse);
-        if (turns) {
-            vec3_to(at->turning.destination_torque[j], impulse + 3);
-            vec3_to(at->turning.source_torque[j], impulse + 6);
-        } else if (SCENE_HAS_TORQUES) {
-            vec3_to(scene_torque_of_force(at, j), impulse + 3);
-        }
-        if (SCENE_ANY_SPRINGS) {
-            unpack_springs(ode, y, j, &turning);
-        }
+        const struct contact_impulses impulse_rates = scene_impulse_rates(at, j);
+        memcpy(rates + layout->impulse[j], &impulse_rates, (size_t)ode_impulses(v) * sizeof *rates);
         for (int i = 0; SCENE_ANY_SPRINGS && i < OPPOSED; ++i) {
             if (layout->spring[j][i] >= 0) {
-                vec3_to(turning_spring_rate(&turning, at, j, i), rates + layout->spring[j][i]);
+                vec3_to(turning_spring_rate(at, j, i), rates + layout->spring[j][i]);
             }
         }
     }
-    const struct scene_powers power = ode_powers(ode, clock, at);
-    rates[layout->dissipated] = power.dissipated;
-    rates[layout->dissipated + 1] = power.external;
-    if (turns) {
-        rates[layout->dissipated + 2] = power.friction;
-    }
+    const struct scene_powers power = ode_powers(ode, at);
+    memcpy(rates + layout->dissipated, &power, (size_t)(layout->size - layout->dissipated) * sizeof *rates);
 }
 
 void ode_rates(const void *scene_ode, double clock, const double *y, double *rates)
 {
     struct scene_instant at;
     ode_instant(scene_ode, clock, y, &at);
-    put_scene_rates(scene_ode, clock, y, &at, rates);
+    put_scene_rates(scene_ode, y, &at, rates);
 }
 
-void ode_rates_under(const struct scene_ode *ode, double clock, const double *y, const struct vec3 *force,
+void ode_rates_under(const struct scene_ode *ode, const double *y, const struct vec3 *force,
                      const struct vec3 *torque, struct scene_instant *at, double *rates)
 {
-    scene_put_contact_forces(clock, force, torque, met_of(ode), at);
-    put_scene_rates(ode, clock, y, at, rates);
+    scene_put_contact_forces(force, torque, ode->layout.met, at);
+    put_scene_rates(ode, y, at, rates);
 }
 
 /* An orientation has the size 1. An impulse of torque has at least the size of momentum_scale at the lever
@@ -616,9 +549,8 @@ struct linearization {
     const double *y;
     int states; /* number of rows and columns */
     double *columns;
-    struct scene_state q; /* the state, with the clock, rotations and springs of y */
-    struct scene_instant at;
-    struct scene_jet along; /* the path, along one state */
+    struct scene_instant at; /* at y */
+    struct scene_jet along;  /* the path, along one state */
 };
 
 /* Adds what the change along the path does to a contact, and by it to the rates of its bodies and springs, to
@@ -649,7 +581,7 @@ static void add_contact(struct linearization *l, int contact, int column, double
     }
     if (l->states == layout->size) {
         const struct vec3 force = l->along.contact[contact].source_force[1];
-        const struct scene_powers power = jet_powers_of_contact(&l->q, &l->along, contact, 1);
+        const struct scene_powers power = jet_powers_of_contact(l->at.q, &l->along, contact, 1);
         double *impulse = rates + layout->impulse[contact];
         vec3_add_to(sign, force, impulse);
         if (scene_turns(v)) {
@@ -738,7 +670,7 @@ static void add_columns_of_rotation(struct linearization *l, int body)
                           l->columns + index * l->states + at);
         }
         for (int j = 0; j < SCENE_CONTACTS && index < layout->coupled; ++j) {
-            if (l->q.contact[j].regime != (int32_t)REGIME_APART &&
+            if (l->ode->state->contact[j].regime != (int32_t)REGIME_APART &&
                 (contact_source(j) == body || contact_destination(j) == body)) {
                 jet_of_contact(&l->at, j, true, along);
                 add_contact(l, j, index, 1.0);
@@ -755,13 +687,7 @@ void ode_jacobian(const void *scene_ode, int states, double clock, const double 
     struct linearization l = {.ode = ode, .y = y, .states = states, .columns = columns};
     memset(columns, 0, (size_t)states * (size_t)states * sizeof *columns);
     l.along.first_order = true;
-    scene_state_copy(ode->state, &l.q);
-    l.q.clock = clock;
     ode_instant(ode, clock, y, &l.at);
-    l.at.q = &l.q;
-    if (scene_turns(ode->values)) {
-        turning_unpack(ode, y, &l.q.turning);
-    }
     for (int i = 0; i < SCENE_BODIES; ++i) {
         l.along.velocity[i][0] = l.at.velocity[i];
         if (scene_turns(ode->values)) {
@@ -778,7 +704,7 @@ void ode_jacobian(const void *scene_ode, int states, double clock, const double 
         }
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (l.q.contact[j].regime != (int32_t)REGIME_APART) {
+        if (ode->state->contact[j].regime != (int32_t)REGIME_APART) {
             add_columns_of_contact(&l, j);
         }
     }
@@ -792,8 +718,7 @@ static double not_zero(double value)
     return fabs(value) < 1e-100 ? -1e-100 : value;
 }
 
-void ode_events_at(const struct scene_ode *ode, double clock, const double *y, const struct scene_instant *at,
-                   double events[ODE_EVENTS])
+void ode_events_at(const struct scene_ode *ode, const struct scene_instant *at, double events[ODE_EVENTS])
 {
     const struct scene_values *v = ode->values;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
@@ -806,9 +731,7 @@ void ode_events_at(const struct scene_ode *ode, double clock, const double *y, c
         }
         contact_events(ode, at, j, out);
         if (SCENE_ANY_FRICTION && contact_rubs(v, j) && contact_transmits(ode->state, j)) {
-            struct turning_state turning;
-            unpack_springs(ode, y, j, &turning);
-            friction_events(ode, clock, &turning, at, j, out);
+            friction_events(at, j, out);
         }
         if (SCENE_ANY_ZONES) {
             out[ODE_EVENT_ZONE] = zones_margin(at, j);
@@ -823,7 +746,7 @@ void ode_events(const struct scene_ode *ode, double clock, const double *y, doub
 {
     struct scene_instant at;
     ode_instant(ode, clock, y, &at);
-    ode_events_at(ode, clock, y, &at, events);
+    ode_events_at(ode, &at, events);
 }
 
 double ode_event(const struct scene_ode *ode, double clock, const double *y, int event)
@@ -922,7 +845,9 @@ double projection_balance(const struct scene_instant *at)
     return 0.0;
 }
 
-void projection_close_gap(struct scene_state *q, int contact)
+/* Moves the free bodies of a contact apart along the normal, by their inverse masses, until the gap is
+ * zero. */
+static void close_gap(struct scene_state *q, int contact)
 {
     struct scene_instant at;
     scene_now(q, &at);
@@ -1034,6 +959,6 @@ void projection_end_contact(const struct scene_ode *ode, struct scene_state *q, 
     if (scene_turns(v)) {
         go_back_to_gap(q, &at, contact);
     }
-    projection_close_gap(q, contact);
+    close_gap(q, contact);
     restore_energy(q, contact, relative * vec3_norm(at.rate[contact]) + absolute);
 }

@@ -75,7 +75,6 @@ struct ode_layout {
     int impulse[SCENE_CONTACTS];    /* the impulses, in the order of struct contact_impulses */
     bool met[SCENE_CONTACTS];       /* whether y has the impulse */
     int island[SCENE_CONTACTS];     /* the group of its island; -1: apart */
-    bool is_whole;                  /* whether y has the states of all bodies and contacts */
     int groups;                     /* of states: no rate depends on states of another group */
     int group_end[ODE_MOST_GROUPS]; /* the end of each group among the leading states */
     int coupled;                    /* number of leading states on which rates of others depend */
@@ -131,9 +130,8 @@ void ode_events(const struct scene_ode *ode, double clock, const double *y, doub
 /* Computes one of the event functions. */
 double ode_event(const struct scene_ode *ode, double clock, const double *y, int event);
 
-/* Computes the event functions at the instant `at` of y. */
-void ode_events_at(const struct scene_ode *ode, double clock, const double *y, const struct scene_instant *at,
-                   double events[ODE_EVENTS]);
+/* Computes the event functions at the instant `at`. */
+void ode_events_at(const struct scene_ode *ode, const struct scene_instant *at, double events[ODE_EVENTS]);
 
 /* Returns the regime after an event of a contact at the present clock of q. */
 enum contact_regime ode_regime_after(const struct scene_state *q, int contact, int event);
@@ -150,30 +148,29 @@ int ode_event_passed(const struct scene_ode *ode, const double *y);
 void ode_nominal(const struct scene_ode *ode, const double *y, double *sizes);
 
 /* Returns the powers; of external forces and torques those on the bodies whose motion y holds. */
-struct scene_powers ode_powers(const struct scene_ode *ode, double clock, const struct scene_instant *at);
+struct scene_powers ode_powers(const struct scene_ode *ode, const struct scene_instant *at);
 
 /* Computes the instant at y. */
 void ode_instant(const struct scene_ode *ode, double clock, const double *y, struct scene_instant *at);
 
 /* For an integrator whose unknowns are the contact forces. ode_other_motion sets the motion of the bodies
- * without states in y at a clock. ode_contact_motion adds that of the others at y, and the geometry of the
- * contacts in touch, or of `all`; where scene_turns, also arms and slips, while it leaves the orientations of
- * spheres alone.
+ * without states in y at a clock. ode_contact_motion adds that of the others and the springs at y, and the
+ * geometry of the contacts in touch, or of `all`; where scene_turns, also arms and slips, while it leaves the
+ * orientations of spheres alone.
  * ode_rates_without_contact writes the rates of velocities and spins without the contact forces.
  * ode_rates_under completes an instant of ode_contact_motion by given forces [N] and resistances [N m] on the
  * sources, one of each for each contact, and writes the rates of all states. */
 void ode_other_motion(const struct scene_ode *ode, double clock, struct scene_instant *at);
 void ode_contact_motion(const struct scene_ode *ode, const double *y, bool all, struct scene_instant *at);
 void ode_rates_without_contact(const struct scene_ode *ode, double clock, double *rates);
-void ode_rates_under(const struct scene_ode *ode, double clock, const double *y, const struct vec3 *force,
+void ode_rates_under(const struct scene_ode *ode, const double *y, const struct vec3 *force,
                      const struct vec3 *torque, struct scene_instant *at, double *rates);
 
-/* Computes the event functions of friction and both resistances at `at`, the present instant of ode->state.
- * Each is raised by twice its error by rounding and by errors of the opposed motions: the slip has one of
- * `tolerated` [m/s], the parts of omega have those of the tolerances. */
-void turning_friction_events(struct scene_ode *ode, const struct scene_instant *at, int contact,
-                             double tolerated, double relative, double absolute,
-                             double events[ODE_EVENTS_EACH]);
+/* Computes the event functions of friction and both resistances of a contact that rubs and transmits a force.
+ * Each is raised by its `offset`, twice its error by rounding and by errors of the opposed motions: the slip
+ * has one of `tolerated` [m/s], the parts of omega have those of the tolerances. */
+void turning_friction_events(const struct scene_instant *at, int contact, double tolerated, double relative,
+                             double absolute, double offset[ODE_EVENTS_EACH], double events[ODE_EVENTS_EACH]);
 
 /*
  * Invariants at the end of a contact phase (projection methods: Hairer, Lubich, Wanner, Geometric Numerical
@@ -193,10 +190,6 @@ void turning_friction_events(struct scene_ode *ode, const struct scene_instant *
  * contact keeps it. The potential counts from zero displacement, because its constant part would cost
  * digits. */
 double projection_balance(const struct scene_instant *at);
-
-/* Moves the free bodies of a contact apart along the normal, by their inverse masses, until the gap is
- * zero. */
-void projection_close_gap(struct scene_state *q, int contact);
 
 /* Closes the gap of a contact that ends at the present of q, and restores the energy q->phase_energy within
  * the error of the speed that a step is allowed. Nothing is done where the source passes an end of the

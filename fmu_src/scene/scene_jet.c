@@ -198,7 +198,7 @@ static void put_slip(const struct contact_shape *shape, const struct contact_pat
 
 /* Returns the arguments of the law that opposes a motion along the path. Where the inputs jump, the spring
  * before the jump is laid anew. */
-static struct friction_path friction_path_of(const struct scene_state *q, const struct scene_jet *along,
+static struct friction_path friction_path_of(const struct scene_instant *at, const struct scene_jet *along,
                                              int contact, int part)
 {
     const struct contact_jet *jet = &along->contact[contact];
@@ -208,7 +208,7 @@ static struct friction_path friction_path_of(const struct scene_state *q, const 
     memcpy(path.normal_force, jet->normal_force, sizeof path.normal_force);
     memcpy(path.slip, along->turning[contact].motion[part], sizeof path.slip);
     memcpy(path.spring, along->spring[contact][part], sizeof path.spring);
-    path.spring[0] = q->turning.spring[contact][part];
+    path.spring[0] = at->turning.spring[contact][part];
     for (int i = 0; i < JET_TERMS; ++i) {
         path.depth[i] = -jet->gap[i];
     }
@@ -223,8 +223,9 @@ static struct friction_path friction_path_of(const struct scene_state *q, const 
 
 /* Sets the terms of the opposed motions, of the forces and torques that oppose them, and of the energy that
  * their springs store. */
-static void put_friction(const struct scene_state *q, int contact, struct scene_jet *along)
+static void put_friction(const struct scene_instant *at, int contact, struct scene_jet *along)
 {
+    const struct scene_state *q = at->q;
     struct contact_jet *jet = &along->contact[contact];
     struct turning_jet *turning = &along->turning[contact];
     const bool rubs = contact_rubs(q->v, contact) && q->contact[contact].regime != (int32_t)REGIME_APART;
@@ -239,7 +240,7 @@ static void put_friction(const struct scene_state *q, int contact, struct scene_
         }
         const struct friction_law law = scene_friction_law(q, contact, part);
         const enum friction_regime regime = (enum friction_regime)q->contact[contact].friction_regime[part];
-        const struct friction_path path = friction_path_of(q, along, contact, part);
+        const struct friction_path path = friction_path_of(at, along, contact, part);
         friction_force_terms(&law, regime, &path, force);
         friction_stored_terms(&law, regime, &path, stored);
         for (int i = 0; i < terms; ++i) {
@@ -251,18 +252,18 @@ static void put_friction(const struct scene_state *q, int contact, struct scene_
 }
 
 /* Sets the terms of what rotation and friction add to the jet of the normal force. */
-static void put_turning(const struct scene_state *q, const struct contact_shape *shape,
+static void put_turning(const struct scene_instant *at, const struct contact_shape *shape,
                         const struct contact_path *path, int contact, struct scene_jet *along)
 {
     struct contact_jet *jet = &along->contact[contact];
     struct turning_jet *turning = &along->turning[contact];
     memset(turning, 0, sizeof *turning);
     put_slip(shape, path, jet, turning);
-    put_friction(q, contact, along);
+    put_friction(at, contact, along);
     for (int i = 0; i < path->terms; ++i) {
         turning->source_torque[i] = turning_jet_cross(turning->source_arm, jet->source_force, i);
         turning->destination_torque[i] = turning_jet_cross(jet->source_force, turning->destination_arm, i);
-        if (contact_resists(q->v, contact)) {
+        if (contact_resists(at->v, contact)) {
             const struct vec3 resistance = turning->resistance[i];
             turning->source_torque[i] = vec3_add(turning->source_torque[i], resistance);
             turning->destination_torque[i] = vec3_sub(turning->destination_torque[i], resistance);
@@ -284,7 +285,7 @@ void jet_of_contact(const struct scene_instant *at, int contact, bool rubs, stru
     put_normal_force(&shape, &at->geometry[contact], &path, &law, &along->law_slope[contact], regime,
                      &along->contact[contact]);
     if (SCENE_ANY_TURNING && rubs) {
-        put_turning(at->q, &shape, &path, contact, along);
+        put_turning(at, &shape, &path, contact, along);
     }
 }
 
@@ -307,9 +308,9 @@ static void put_orientation(const struct vec3 omega[2], struct quaternion q[JET_
 
 /* Puts the terms of a prescribed rotation. An axis that follows a path of its own, a polynomial that need not
  * have unit length, turns by e x e', and the body spins about it. */
-static void put_prescribed(const struct scene_state *q, int body, struct scene_jet *along)
+static void put_prescribed(const struct scene_instant *at, int body, struct scene_jet *along)
 {
-    struct body_path path = q->path[body];
+    struct body_path path = at->q->path[body];
     struct vec3 *omega = along->angular_velocity[body];
     struct vec3 e[JET_TERMS] = {quaternion_third_axis(along->orientation[body][0])};
     omega[2] = path.angular_velocity[2];
@@ -317,7 +318,7 @@ static void put_prescribed(const struct scene_state *q, int body, struct scene_j
     if (path.turn_follows != TURN_FOLLOWS_VELOCITY && body_has_axis(body)) {
         double length[JET_TERMS];
         struct vec3 unit[JET_TERMS];
-        body_path_shift(q->v, body, &path, q->clock);
+        body_path_shift(at->v, body, &path, at->clock);
         jet_direction(JET_TERMS, path.axis, length, unit);
         if (length[0] > 0.0) {
             memcpy(&e[1], &unit[1], 2 * sizeof e[1]);
@@ -340,12 +341,12 @@ static void put_turning_bodies(const struct scene_instant *at, struct scene_jet 
         along->angular_velocity[i][0] = at->turning.body[i].angular_velocity;
         along->orientation[i][0] = at->turning.body[i].orientation;
         if (SCENE_ANY_ROTATION) {
-            along->angular_velocity[i][1] = turning_acceleration(at->q->clock, at, i);
+            along->angular_velocity[i][1] = turning_acceleration(at, i);
             if (body_turn_is_prescribed(at->v, i)) {
-                put_prescribed(at->q, i, along);
+                put_prescribed(at, i, along);
             } else if (body_turns_freely(at->v, i)) {
                 const struct body_path *path = &at->q->path[i];
-                along->torque[i] = path_slope(path->torque, at->q->clock);
+                along->torque[i] = path_slope(path->torque, at->clock);
                 put_orientation(along->angular_velocity[i], along->orientation[i]);
             }
         }
@@ -353,8 +354,8 @@ static void put_turning_bodies(const struct scene_instant *at, struct scene_jet 
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         for (int i = 0; i < OPPOSED; ++i) {
             if (contact_has_spring(at->v, j, i)) {
-                along->spring[j][i][0] = at->q->turning.spring[j][i];
-                along->spring[j][i][1] = turning_spring_rate(&at->q->turning, at, j, i);
+                along->spring[j][i][0] = at->turning.spring[j][i];
+                along->spring[j][i][1] = turning_spring_rate(at, j, i);
             }
         }
     }
@@ -381,14 +382,9 @@ struct contact_load jet_load_on(const struct scene_jet *along, int body, int ord
 {
     struct contact_load sum = {.force = {0.0, 0.0, 0.0}};
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (contact_source(j) == body) {
-            sum.force = vec3_add(sum.force, along->contact[j].source_force[order]);
-            sum.torque = vec3_add(sum.torque, along->turning[j].source_torque[order]);
-        }
-        if (contact_destination(j) == body) {
-            sum.force = vec3_sub(sum.force, along->contact[j].source_force[order]);
-            sum.torque = vec3_add(sum.torque, along->turning[j].destination_torque[order]);
-        }
+        contact_load_add(j, body, along->contact[j].source_force[order],
+                         along->turning[j].source_torque[order], along->turning[j].destination_torque[order],
+                         &sum);
     }
     return sum;
 }
@@ -429,22 +425,23 @@ struct scene_powers jet_powers_of_contact(const struct scene_state *q, const str
     return sum;
 }
 
-struct scene_powers jet_powers_of(const struct scene_state *q, const struct scene_jet *along, int order)
+struct scene_powers jet_powers_of(const struct scene_instant *at, const struct scene_jet *along, int order)
 {
-    const struct scene_values *v = q->v;
+    const struct scene_values *v = at->v;
+    const struct body_path *path = at->q->path;
     struct scene_powers sum = {0.0, 0.0, 0.0};
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_is_free(v, i)) {
-            const struct vec3 force[2] = {path_at(q->path[i].force, 3, q->clock), along->force[i]};
+            const struct vec3 force[2] = {path_at(path[i].force, 3, at->clock), along->force[i]};
             sum.external += jet_dot(force, along->velocity[i], order);
         }
         if (SCENE_ANY_ROTATION && scene_turns(v) && body_turns_freely(v, i)) {
-            const struct vec3 torque[2] = {path_at(q->path[i].torque, 3, q->clock), along->torque[i]};
+            const struct vec3 torque[2] = {path_at(path[i].torque, 3, at->clock), along->torque[i]};
             sum.external += jet_dot(torque, along->angular_velocity[i], order);
         }
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const struct scene_powers of = jet_powers_of_contact(q, along, j, order);
+        const struct scene_powers of = jet_powers_of_contact(at->q, along, j, order);
         sum.dissipated += of.dissipated;
         sum.external += of.external;
         sum.friction += of.friction;
@@ -474,7 +471,7 @@ static void put_along_axes(const struct quaternion q[JET_TERMS], struct vec3 d, 
 struct vec3 turning_jet_half_jerk(const struct scene_instant *at, const struct scene_jet *along, int body)
 {
     struct vec3 momentum[2], faster[2];
-    struct vec3 by[2] = {turning_torque_on(at->q->clock, at, body), along->torque[body]};
+    struct vec3 by[2] = {turning_torque_on(at, body), along->torque[body]};
     const struct vec3 *omega = along->angular_velocity[body];
     const struct vec3 inertia = body_inertia_of(at->v, body);
     by[1] = body_part_that_turns(at->v, body, vec3_add(by[1], jet_load_on(along, body, 1).torque));
@@ -543,7 +540,7 @@ struct vec3 turning_jet_spring_change(const struct scene_instant *at, const stru
     if (at->q->contact[contact].regime == (int32_t)REGIME_APART) {
         return vec3_make(0.0, 0.0, 0.0);
     }
-    const struct friction_path rubbing = friction_path_of(at->q, along, contact, part);
+    const struct friction_path rubbing = friction_path_of(at, along, contact, part);
     const struct contact_shape shape = scene_shape_met(at, contact);
     const struct contact_path path = path_of(at, along, &shape, contact);
     put_normal_rate(&shape, &at->geometry[contact], &path, jet, rate);
@@ -582,7 +579,7 @@ static void put_contacts(const struct scene_instant *at, const bool *met, struct
     }
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_is_free(at->v, i)) {
-            along->force[i] = path_slope(at->q->path[i].force, at->q->clock);
+            along->force[i] = path_slope(at->q->path[i].force, at->clock);
             along->velocity[i][2] = free_bodies_half_jerk(at->v, along, i);
         }
     }
@@ -597,7 +594,7 @@ void jet_in_time(const struct scene_instant *at, struct scene_jet *along)
     put_contacts(at, NULL, along);
     along->time[1] = SCENE_ANY_FREE ? 1.0 : 0.0;
     for (int i = 1; SCENE_ANY_FREE && i < JET_TERMS; ++i) {
-        const struct scene_powers power = jet_powers_of(at->q, along, i - 1);
+        const struct scene_powers power = jet_powers_of(at, along, i - 1);
         along->dissipated[i] = power.dissipated / i;
         along->external_work[i] = power.external / i;
         along->friction[i] = power.friction / i;
@@ -611,7 +608,7 @@ void jet_of_motion(const struct scene_instant *at, const bool *met, struct scene
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_is_prescribed(at->v, i)) {
             struct body_path path = at->q->path[i];
-            body_path_shift(at->v, i, &path, at->q->clock);
+            body_path_shift(at->v, i, &path, at->clock);
             memcpy(&along->displacement[i][1], &path.displacement[1], 2 * sizeof path.displacement[1]);
         }
     }

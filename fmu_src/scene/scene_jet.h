@@ -91,7 +91,7 @@ struct vec3 free_bodies_half_jerk(const struct scene_values *v, const struct sce
 /* Return coefficient `order`, 0 or 1, of the powers [W], of all or by one contact. */
 struct scene_powers jet_powers_of_contact(const struct scene_state *q, const struct scene_jet *along,
                                           int contact, int order);
-struct scene_powers jet_powers_of(const struct scene_state *q, const struct scene_jet *along, int order);
+struct scene_powers jet_powers_of(const struct scene_instant *at, const struct scene_jet *along, int order);
 
 /* Returns the coefficients of one order of the energies along the path [J/s^order in time]. */
 struct scene_energies jet_energies_of(const struct scene_state *q, const struct scene_jet *along, int order);

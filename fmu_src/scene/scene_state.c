@@ -136,11 +136,8 @@ bool contact_has_spring(const struct scene_values *v, int contact, int part)
 
 bool contact_has_springs(const struct scene_values *v, int contact)
 {
-    bool any = false;
-    for (int i = 0; i < OPPOSED; ++i) {
-        any = any || contact_has_spring(v, contact, i);
-    }
-    return any;
+    return contact_has_spring(v, contact, OPPOSED_SLIP) || contact_has_spring(v, contact, OPPOSED_ROLLING) ||
+           contact_has_spring(v, contact, OPPOSED_SPINNING);
 }
 
 bool scene_turns(const struct scene_values *v)

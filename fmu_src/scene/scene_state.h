@@ -232,7 +232,7 @@ struct scene_state {
      * scene_state_copy */
     struct turning_state turning;
     struct body_turn turn_origin[SCENE_BODIES]; /* at clock 0, of bodies that turn */
-    /* event_driven goes on with this step unless `integrator_fresh`; last, see scene_at in dense_output.c */
+    /* event_driven goes on with this step unless `integrator_fresh`; last, see sample_scene in dense_output.c */
     struct unfinished_step unfinished;
 };
 

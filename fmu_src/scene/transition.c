@@ -61,11 +61,6 @@ enum contact_regime regime_by_margins(const struct scene_instant *at, int contac
     return within || !contact_has_events(&law) ? regime : contact_regime_after(&law, regime);
 }
 
-static enum friction_regime friction_regime_of(const struct scene_state *q, int contact, int part)
-{
-    return (enum friction_regime)q->contact[contact].friction_regime[part];
-}
-
 /* Returns the error of an opposed motion that the solver's tolerances allow [m/s, rad/s]. */
 static double tolerated_motion(const struct scene_instant *at, int contact, int part)
 {
@@ -74,37 +69,42 @@ static double tolerated_motion(const struct scene_instant *at, int contact, int 
     return solver_relative_tolerance(at->v) * size + solver_absolute_tolerance(at->v);
 }
 
-/* Returns an event function of friction. It is raised by its rounding error and by the error that the
- * tolerance allows in speeds, so that it falls below zero only beyond doubt. */
-static double raised_friction_event(const struct scene_instant *at, int contact, enum ode_event event)
+/* Sets the event functions of friction. They are raised by their rounding errors and by the errors that the
+ * tolerance allows in speeds, so that they fall below zero only beyond doubt. Returns false where there is no
+ * friction. */
+static bool raised_friction_events(const struct scene_instant *at, int contact,
+                                   double events[ODE_EVENTS_EACH])
 {
-    struct scene_ode ode = {.values = at->v, .state = at->q};
-    double events[ODE_EVENTS_EACH];
-    turning_friction_events(&ode, at, contact, tolerated_motion(at, contact, OPPOSED_SLIP),
-                            solver_relative_tolerance(at->v), solver_absolute_tolerance(at->v), events);
-    return events[event];
+    double offset[ODE_EVENTS_EACH];
+    if (!contact_rubs(at->v, contact) || !contact_transmits(at->q, contact)) {
+        return false;
+    }
+    turning_friction_events(at, contact, tolerated_motion(at, contact, OPPOSED_SLIP),
+                            solver_relative_tolerance(at->v), solver_absolute_tolerance(at->v), offset,
+                            events);
+    return true;
 }
 
 double regime_friction_margin(const struct scene_instant *at, int contact, enum ode_event event)
 {
-    if (!contact_rubs(at->v, contact) || !contact_transmits(at->q, contact)) {
+    double events[ODE_EVENTS_EACH];
+    if (!raised_friction_events(at, contact, events)) {
         return 1.0;
     }
-    const double margin = raised_friction_event(at, contact, event);
-    const enum friction_regime regime = friction_regime_of(at->q, contact, ode_event_part(event));
-    const bool is_beyond = event == ODE_EVENT_CAP    ? regime == FRICTION_CAPPED
-                           : event == ODE_EVENT_LIFT ? regime == FRICTION_LIFTED
-                                                     : regime != FRICTION_STICKING;
-    return is_beyond ? -margin : margin;
+    const int32_t regime = at->q->contact[contact].friction_regime[ode_event_part(event)];
+    const bool is_beyond = event == ODE_EVENT_CAP    ? regime == (int32_t)FRICTION_CAPPED
+                           : event == ODE_EVENT_LIFT ? regime == (int32_t)FRICTION_LIFTED
+                                                     : regime != (int32_t)FRICTION_STICKING;
+    return is_beyond ? -events[event] : events[event];
 }
 
 enum ode_event regime_friction_event(const struct scene_instant *at, int contact)
 {
-    const bool rubs = contact_rubs(at->v, contact) && contact_transmits(at->q, contact);
+    double events[ODE_EVENTS_EACH];
+    const bool rubs = raised_friction_events(at, contact, events);
     for (int event = ODE_EVENT_STICK; rubs && event < ODE_EVENT_ZONE; ++event) {
-        const double margin = raised_friction_event(at, contact, (enum ode_event)event);
-        if (margin < 0.0 ||
-            (margin == 0.0 && at->normal_force[contact] > 0.0)) { /* at zero force friction has just begun */
+        if (events[event] < 0.0 || (events[event] == 0.0 && at->normal_force[contact] > 0.0)) {
+            /* at zero force friction has just begun */
             return (enum ode_event)event;
         }
     }
@@ -113,7 +113,6 @@ enum ode_event regime_friction_event(const struct scene_instant *at, int contact
 
 /* An opposed motion of a contact (contact/friction.h), whose regime and spring change with events. */
 struct rubbed {
-    const struct scene_values *v;
     struct scene_state *q;
     int contact, part;
     struct friction_law law;
@@ -123,23 +122,12 @@ struct rubbed {
 
 static struct rubbed rubbed_of(struct scene_state *q, int contact, int part)
 {
-    return (struct rubbed){q->v,
-                           q,
+    return (struct rubbed){q,
                            contact,
                            part,
                            scene_friction_law(q, contact, part),
                            &q->contact[contact].friction_regime[part],
                            &q->turning.spring[contact][part]};
-}
-
-static struct friction_state rubbing_now(const struct rubbed *r, const struct scene_instant *at)
-{
-    return turning_rubbing(&r->q->turning, at, r->contact, r->part);
-}
-
-static double normal_force_rate(const struct rubbed *r, const struct scene_instant *at)
-{
-    return turning_normal_force_rate(r->q->clock, at, r->contact);
 }
 
 /* Whether the dashpot pulls. The sign of contact_push decides this, as it decides the lift event, so that
@@ -151,13 +139,6 @@ static bool is_lifted(const struct rubbed *r, const struct scene_instant *at)
     const struct contact_geometry *g = &at->geometry[r->contact];
     const bool pulls = contact_may_pull(&law) && contact_push(&law, g->gap, g->gap_rate) < 0.0;
     return pulls || contact_push(&law, -1.0, -1.0) == 0.0;
-}
-
-/* Returns the regime of sliding. Where nothing pulls, a normal force [N] that is not above zero is rounding
- * or about to grow. */
-static enum friction_regime sliding_regime(const struct friction_law *law, double normal_force)
-{
-    return normal_force > 0.0 ? friction_sliding_regime(law, normal_force) : FRICTION_SLIDING;
 }
 
 /* Ends friction and relaxes its spring. The energy of the spring counts as dissipated from now on
@@ -194,7 +175,7 @@ static double impact_depth(const struct scene_instant *at, int contact)
         return 0.0;
     }
     const double part = 0.5 * rate * rate / (per_mass * at_one_metre);
-    const double load = scene_pressing_acceleration(at->q->clock, at, contact) / (per_mass * at_one_metre);
+    const double load = scene_pressing_acceleration(at, contact) / (per_mass * at_one_metre);
     const double power = contact_is_hertz(&law) ? 2.5 : 2.0;
     return fmax(pow(part, 1.0 / power), pow(0.5 * load, 1.0 / (power - 1.0)));
 }
@@ -225,7 +206,7 @@ static struct vec3 direction_to_slide(const struct rubbed *r, const struct scene
     const double spring_force = -contact_stored_slope(&normal, REGIME_COMPRESSION, -depth);
     const double force = fmax(at->normal_force[r->contact], spring_force);
     const double length = fmin(law->coefficient * force, law->largest) / friction_stiffness(law, depth);
-    const double unit = r->part == OPPOSED_SLIP ? contact_source_radius(r->v, r->contact) : 1.0;
+    const double unit = r->part == OPPOSED_SLIP ? contact_source_radius(r->q->v, r->contact) : 1.0;
     const bool is_known = length > 0.0 && depth > rounding_of_gap(at, r->contact);
     const double typical = is_known ? length : TYPICAL_LENGTH * unit;
     return size > 0.0 ? vec3_scale(typical / size, along) : along;
@@ -251,22 +232,26 @@ static double onset_force(const struct scene_instant *at, int contact)
 static void leave_rest(const struct rubbed *r, struct scene_instant *at)
 {
     const struct scene_state *q = r->q;
-    const double press = scene_pressing_acceleration(q->clock, at, r->contact);
+    const double press = scene_pressing_acceleration(at, r->contact);
     const double speed = sqrt(2.0 * rounding_of_gap(at, r->contact) * press); /* [m/s] */
     if (!(fabs(at->geometry[r->contact].gap_rate) < speed)) {
         return;
     }
     const double moment = speed / press;
-    struct body_state bodies[SCENE_BODIES];
-    struct turning_state turning = q->turning;
+    const struct scene_instant rest = *at;
+    scene_place_bodies(q, q->clock + moment, at);
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        const struct vec3 faster = turning_acceleration(q->clock, at, i);
-        struct vec3 *omega = &turning.body[i].angular_velocity;
-        *omega = vec3_axpy(*omega, moment, faster);
-        bodies[i].moved = q->body[i].moved;
-        bodies[i].velocity = vec3_axpy(q->body[i].velocity, moment, at->acceleration[i]);
+        struct vec3 *omega = &at->turning.body[i].angular_velocity;
+        if (body_is_free(q->v, i)) {
+            const struct vec3 velocity = vec3_axpy(rest.velocity[i], moment, rest.acceleration[i]);
+            scene_place_body((struct body_state){rest.moved[i], velocity}, i, at);
+        }
+        if (body_turns_freely(q->v, i)) {
+            *omega = vec3_axpy(*omega, moment, turning_acceleration(&rest, i));
+        }
     }
-    scene_evaluate(q, q->clock + moment, bodies, &turning, NULL, at);
+    scene_meet(NULL, at);
+    scene_forces(NULL, at);
 }
 
 /* Begins friction with a spring at rest. */
@@ -279,9 +264,10 @@ static void begin_friction(const struct rubbed *r)
     if (force == 0.0 && scene_is_hertz(r->v, r->contact)) {
         leave_rest(r, &at);
     }
-    struct friction_state rubbing = rubbing_now(r, &at);
+    struct friction_state rubbing = turning_rubbing(&at, r->contact, r->part);
     rubbing.normal_force = force;
-    const enum friction_regime next = friction_onset_regime(&r->law, rubbing, normal_force_rate(r, &at));
+    const enum friction_regime next =
+        friction_onset_regime(&r->law, rubbing, turning_normal_force_rate(&at, r->contact));
     *r->regime = (int32_t)next;
     if (r->law.kind == FRICTION_ELASTIC && r->law.damping == 0.0 && next != FRICTION_STICKING) {
         *r->spring = direction_to_slide(r, &at, rubbing.slip);
@@ -310,14 +296,17 @@ static void slide(const struct rubbed *r, bool breaks)
         change_all(r->q, r->contact, lift_friction);
         return;
     }
-    const enum friction_regime next = sliding_regime(law, at.normal_force[r->contact]);
+    /* where nothing pulls, a normal force that is not above zero is rounding or about to grow */
+    const double force = at.normal_force[r->contact];
+    const enum friction_regime next = force > 0.0 ? friction_sliding_regime(law, force) : FRICTION_SLIDING;
     *r->regime = (int32_t)next;
     scene_now(r->q, &at);
-    const struct friction_state rubbing = rubbing_now(r, &at);
+    const struct friction_state rubbing = turning_rubbing(&at, r->contact, r->part);
     /* the error of the motion does not explain a stick event below this */
     const bool is_exact = !breaks || law->static_coefficient > law->coefficient;
     const double least = is_exact ? 0.0 : -tolerated_motion(&at, r->contact, r->part);
-    if ((turns || !breaks) && friction_stick_event(law, next, rubbing, normal_force_rate(r, &at)) < least) {
+    if ((turns || !breaks) &&
+        friction_stick_event(law, next, rubbing, turning_normal_force_rate(&at, r->contact)) < least) {
         stick(r, next, rubbing);
     } else if (turns) {
         *r->spring = direction_to_slide(r, &at, rubbing.spring);
@@ -338,14 +327,14 @@ static void end_lifting(const struct rubbed *r)
 static void reconsider(const struct rubbed *r)
 {
     struct scene_instant at;
-    const enum friction_regime regime = friction_regime_of(r->q, r->contact, r->part);
+    const enum friction_regime regime = (enum friction_regime) * r->regime;
     scene_now(r->q, &at);
     if (is_lifted(r, &at)) {
         lift_friction(r);
     } else if (regime == FRICTION_LIFTED) {
         end_lifting(r);
     } else if (regime == FRICTION_STICKING) {
-        if (friction_stick_event(&r->law, regime, rubbing_now(r, &at), 0.0) < 0.0) {
+        if (friction_stick_event(&r->law, regime, turning_rubbing(&at, r->contact, r->part), 0.0) < 0.0) {
             slide(r, true);
         }
     } else {
@@ -375,14 +364,14 @@ void turning_take_regime(struct scene_state *q, int contact, enum contact_regime
 void turning_take_event(struct scene_state *q, int contact, enum ode_event event)
 {
     const struct rubbed r = rubbed_of(q, contact, ode_event_part(event));
-    const enum friction_regime regime = friction_regime_of(q, contact, r.part);
+    const enum friction_regime regime = (enum friction_regime) * r.regime;
     const bool sticks = event == ode_stick_event(r.part);
     if (regime == FRICTION_STICKING && (sticks || event == ODE_EVENT_CAP)) {
         slide(&r, true);
     } else if (sticks) {
         struct scene_instant at;
         scene_now(q, &at);
-        stick(&r, regime, rubbing_now(&r, &at));
+        stick(&r, regime, turning_rubbing(&at, contact, r.part));
     } else if (event == ODE_EVENT_CAP) {
         *r.regime = (int32_t)(regime == FRICTION_CAPPED ? FRICTION_SLIDING : FRICTION_CAPPED);
     } else if (regime == FRICTION_LIFTED) {
@@ -410,29 +399,25 @@ void transition_set_regime(struct scene_state *q, int contact, enum contact_regi
     }
 }
 
-/* Returns the rounding error of the gap after a phase that has `lasted` so many seconds [m]: 64 roundings of
- * the distance that the bodies have covered relative to each other. The phases of a contact before it count
- * by the penetration. */
-static double way_rounding(const struct scene_instant *at, int contact, double lasted)
-{
-    const double way = vec3_norm(at->rate[contact]) * lasted + at->q->contact[contact].peaks.penetration;
-    return 64.0 * DBL_EPSILON * way;
-}
-
 /* Returns the gap at a change of regime [m]. Where contact ends by the gap, the gap is at least zero. Where
- * an integrator has found a touch, the gap is zero; a foreseen touch has a gap of its own. */
+ * an integrator has found a touch, the gap is zero; a foreseen touch has a gap of its own. A gap that is not
+ * so by more than its rounding error stays as it is. At the end of contact this error is 64 roundings of the
+ * distance that the bodies have covered relative to each other in the phase, which has `lasted` so many
+ * seconds; the phases of a contact before it count by the penetration. */
 static double gap_at_change(const struct scene_instant *at, int contact, enum contact_regime regime,
                             double lasted)
 {
     const double gap = at->geometry[contact].gap;
-    const bool touches = at->q->contact[contact].regime == (int32_t)REGIME_APART;
-    const double least = regime == REGIME_APART ? fmax(gap, 0.0) : gap;
-    const double meant = touches && !scene_gap_is_accumulated(at, contact) ? 0.0 : least;
+    const struct contact_state *state = &at->q->contact[contact];
+    const bool ends = regime == REGIME_APART;
+    const bool is_found = state->regime == (int32_t)REGIME_APART && !scene_gap_is_accumulated(at, contact);
+    const double meant = is_found ? 0.0 : ends ? fmax(gap, 0.0) : gap;
     if (meant == gap) {
         return meant;
     }
-    const double rounding = regime == REGIME_APART ? way_rounding(at, contact, lasted) : 0.0;
-    return fabs(gap) > fmax(rounding_of_gap(at, contact), rounding) ? gap : meant;
+    const double way = vec3_norm(at->rate[contact]) * lasted + state->peaks.penetration;
+    const double rounding = fmax(rounding_of_gap(at, contact), ends ? 64.0 * DBL_EPSILON * way : 0.0);
+    return fabs(gap) > rounding ? gap : meant;
 }
 
 /* Begins a phase of motion: forgets foreseen changes and notes the energy to be kept. */
@@ -456,7 +441,7 @@ static void note_peaks_of(struct scene_state *q, const struct scene_instant *at)
 static inline void note_peaks_of_touching(struct scene_state *q, struct scene_instant *at)
 {
     if (!scene_is_apart(q)) {
-        scene_forces(q->clock, &q->turning, NULL, at);
+        scene_forces(NULL, at);
         note_peaks_of(q, at);
     }
 }
@@ -485,17 +470,6 @@ static enum contact_regime pass_zone(struct scene_state *q, struct scene_instant
     return (enum contact_regime)q->contact[contact].regime;
 }
 
-/* Sets the regime and the zone of a contact at an instant of the present. What the stored energy of all
- * contacts has lost since it was `before` [J] counts as dissipated. */
-static void enter_regime(struct scene_state *q, const struct scene_instant *at, int contact,
-                         enum contact_regime regime, double before)
-{
-    transition_set_regime(q, contact, onset_note(q, at, contact, regime));
-    zones_follow(q, at, contact);
-    q->dissipated += before - energy_stored(at);
-    counter_add(&q->counters.events, 1);
-}
-
 void transition_change_regime(struct scene_state *q, int contact, enum contact_regime regime,
                               struct scene_instant *at)
 {
@@ -509,7 +483,10 @@ void transition_change_regime(struct scene_state *q, int contact, enum contact_r
     if (regime == (enum contact_regime)q->contact[contact].regime) {
         regime = pass_zone(q, at, contact);
     }
-    enter_regime(q, at, contact, regime, before);
+    transition_set_regime(q, contact, onset_note(q, at, contact, regime));
+    zones_follow(q, at, contact);
+    q->dissipated += before - energy_stored(at); /* what the stored energy loses by the change */
+    counter_add(&q->counters.events, 1);
     begin_phase(q, at);
     note_peaks_of_touching(q, at);
 }
@@ -525,26 +502,16 @@ void transition_change_friction(struct scene_state *q, int contact, enum ode_eve
     note_peaks_of_touching(q, at);
 }
 
-void transition_switch_regime(struct scene_state *q, int contact, enum contact_regime regime)
-{
-    struct scene_instant at;
-    scene_rebase(q);
-    scene_kinematics_now(q, &at);
-    const double before = energy_stored(&at);
-    if (SCENE_ANY_ZONES) {
-        zones_settle(q, &at, contact);
-        scene_kinematics_now(q, &at);
-    }
-    enter_regime(q, &at, contact, regime, before);
-}
-
 void transition_settle_regimes(struct scene_state *q, double stored_before, bool starting)
 {
     struct scene_instant at;
     scene_now(q, &at);
     for (int j = 0; SCENE_ANY_ZONES && j < SCENE_CONTACTS; ++j) {
-        zones_settle(q, &at, j);
-        scene_now(q, &at);
+        if (zones_margin(&at, j) < -rounding_of_gap(&at, j)) { /* the source faces another zone */
+            const struct contact_shape shape = scene_contact_shape_at(&at, j);
+            q->contact[j].zone = contact_zone_at(&shape.solid, at.separation[j]);
+            scene_now(q, &at);
+        }
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (starting || fabs(at.geometry[j].gap) > rounding_of_gap(&at, j)) {

@@ -64,10 +64,6 @@ void transition_change_regime(struct scene_state *q, int contact, enum contact_r
 void transition_change_friction(struct scene_state *q, int contact, enum ode_event event,
                                 struct scene_instant *at);
 
-/* Changes a regime where the importer integrates. The function notes no peaks, and the contact takes the
- * nearest zone. */
-void transition_switch_regime(struct scene_state *q, int contact, enum contact_regime regime);
-
 /*
  * Sets the regimes by the geometry of the present, at the start and after inputs have jumped. `stored_before`
  * [J] is the energy stored before the jump; the difference counts as external work of whatever moved the

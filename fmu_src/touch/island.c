@@ -157,7 +157,7 @@ static void find_axes(struct island *s)
 static void find_bends(struct island *s, const struct scene_instant *at)
 {
     struct scene_instant now = *at;
-    scene_forces(at->q->clock, &at->q->turning, NULL, &now);
+    scene_forces(NULL, &now);
     for (int i = 0; i < s->terms.rows; ++i) {
         struct expansion_row *r = &s->terms.row[i];
         const struct contact_geometry *g = &at->geometry[r->contact];

@@ -153,7 +153,7 @@ static bool friction_is_wrong(struct choice choice, const struct scene_state *q,
         return may_pull;
     }
     scene_now(q, &at);
-    const double force_rate = turning_normal_force_rate(q->clock, &at, 0);
+    const double force_rate = turning_normal_force_rate(&at, 0);
     return sliding_is_wrong(choice, friction, force, force_rate, &at.geometry[0], q);
 }
 
