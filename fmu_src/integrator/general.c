@@ -954,56 +954,14 @@ struct attempt {
  */
 #define BENDS_APART 3.0
 
-/* A step is made again if it is longer than this number of times that it leaves before the release. The
- * number exceeds BENDS_APART, because the clock of the release becomes better known in each trial. */
-static const double MUCH_TOO_NEAR = 2.0 * BENDS_APART;
-
-/* A touch or a release that is nearer to the start of a step than this part of its length does not matter:
- * the impulse in between is the power 5/2 of this part, 3e-13, of that in the step. */
+/* A touch that is nearer to the start of a step than this part of its length does not matter: the impulse in
+ * between is the power 5/2 of this part, 3e-13, of that in the step. */
 static const double NO_IMPULSE = 1e-5;
-
-/* The clock of a release is known well enough if the last two estimates differ by less than this part of the
- * time that the step to the release leaves before it. */
-static const double RELEASE_KNOWN = 0.1;
-
-/* The last step before a release is longer than the time to it by this factor, so that the release is found
- * within it. */
-static const double BEYOND_RELEASE = 1.02;
-
-/* A step is tried for at most so many other clocks of the release. After that the error alone decides whether
- * the step is accepted, so that the search ends. */
-enum { RELEASE_TRIES = 16 };
 
 /* Returns the time after the start of the step below which a time is rounding of the clock [s]. */
 static double clock_rounding(const struct general *g)
 {
     return 64.0 * DBL_EPSILON * fabs(g->step.start);
-}
-
-/* Returns the number of steps to a release that are made one after the other. Hertz's force leaves the power
- * 5/2 of RADAU_REST, 3e-8, of its impulse for the last piece. A tangential force whose stiffness follows the
- * depth goes with the root of the time to the release, and one step would leave the power 3/2. */
-static int release_steps(const struct general *g)
-{
-    int steps = 1;
-    for (int j = 0; SCENE_ANY_MINDLIN && j < SCENE_CONTACTS; ++j) {
-        steps = contact_transmits(g->state, j) && scene_stiffens(g->ode.values, j) ? 2 : steps;
-    }
-    return steps;
-}
-
-/* Whether the step begins where the steps to the release have ended, so that only the last piece is left. */
-static bool is_at_release(const struct general *g)
-{
-    return g->plan.steps_to_release > 0 && g->plan.steps_to_release >= release_steps(g) &&
-           g->plan.release_clock - g->step.start <= 2.0 * g->plan.release_rest;
-}
-
-static void forget_release(struct general *g)
-{
-    g->plan.release_clock = (double)INFINITY;
-    g->plan.release_rest = 0.0;
-    g->plan.steps_to_release = 0;
 }
 
 /* Whether the step begins at a touch. A touch shortly before limits its length. */
@@ -1021,27 +979,23 @@ static bool is_at_touch(const struct general *g, double *length)
     return found;
 }
 
-/* Returns the next attempt at a step, with its length and its method. The step lasts `limit` [s] at most. */
-static struct attempt plan_attempt(const struct general *g, double limit)
+/* Returns the next attempt at a step, with its length and its method. The step lasts `limit` [s] at most. The
+ * attempt has the pace to a release if it lasts up to there; `ahead` is the time to the release [s]. */
+static struct attempt plan_attempt(const struct general *g, double limit, double ahead)
 {
     struct attempt next = {.length = fmin(limit, g->plan.longest), .error = (double)INFINITY};
-    const double ahead = g->plan.release_clock - g->step.start;
     const bool at_touch = is_at_touch(g, &next.length);
     if (at_touch) {
         next.length = fmin(next.length, 0.5 * ahead);
         next.stages = &radau_stages_touch;
         return next;
     }
-    if (is_at_release(g)) {
-        next.length = fmin(next.length, BEYOND_RELEASE * ahead);
-    } else if (ahead < (double)INFINITY) {
-        if (next.length >= ahead / (1.0 + RADAU_REST)) {
-            next.length = ahead / (1.0 + RADAU_REST);
-            next.stages = &radau_stages_release;
-            return next;
-        }
-        next.length = fmin(next.length, BENDS_APART / (1.0 + BENDS_APART) * ahead);
+    if (next.length >= ahead / (1.0 + RADAU_REST)) {
+        next.length = ahead / (1.0 + RADAU_REST);
+        next.stages = &radau_stages_release;
+        return next;
     }
+    next.length = fmin(next.length, BENDS_APART / (1.0 + BENDS_APART) * ahead);
     next.stages = next.length <= REACH_OF_FOUR * g->plan.longest ? &radau_stages_4
                                                                  : stages_of_long_step(g, next.length);
     return next;
@@ -1075,28 +1029,12 @@ static double release_after(const struct general *g)
     return least;
 }
 
-/* Whether a solved attempt shows a release under Hertz's law that the attempt was not made for. The release
- * lies within the step, or so soon after its end that the step is too long. */
-static bool finds_release(struct general *g)
+/* Returns the time from the start of the step to the release under Hertz's law that a solved attempt shows
+ * within the step or after its end [s]. INFINITY: no contact opens, or it opens at the start. */
+static double time_to_release(struct general *g)
 {
-    const double known = g->plan.release_clock;
-    const double end = g->step.start + g->step.length;
-    if (!any_force_bends(g) || is_at_release(g)) {
-        return false;
-    }
-    const double found = fmin(release_within(g), release_after(g));
-    if (found - g->step.start <= fmax(NO_IMPULSE * g->step.length, clock_rounding(g))) {
-        forget_release(g);
-        return false;
-    }
-    const bool is_near = MUCH_TOO_NEAR * (found - end) < g->step.length;
-    if (g->step.stages->pace == RADAU_TO_RELEASE) {
-        g->plan.release_rest = is_near ? RADAU_REST * g->step.length : 0.0;
-        g->plan.release_clock = found;
-        return is_near && fabs(found - known) > RELEASE_KNOWN * g->plan.release_rest;
-    }
-    g->plan.release_clock = is_near ? found : known;
-    return is_near;
+    const double time = fmin(release_within(g), release_after(g)) - g->step.start;
+    return time > clock_rounding(g) ? time : (double)INFINITY;
 }
 
 /* Shortens g->plan.longest after the attempt `now` has been rejected. */
@@ -1151,28 +1089,20 @@ static void lengthen(struct general *g, const struct attempt *now)
  * accurate within as well, because outputs are read there. */
 static bool make_accurate_step(struct general *g, double limit, double left, long *budget)
 {
-    if (SCENE_ANY_HERTZ && !(g->plan.release_clock - g->step.start > clock_rounding(g))) {
-        forget_release(g);
-    }
-    for (int tries = 0;; ++tries) {
+    double release = (double)INFINITY; /* time to it [s], known from the last attempt */
+    for (;;) {
         if (*budget <= 0) {
             return false;
         }
-        struct attempt now = fit_attempt(g, plan_attempt(g, limit));
+        struct attempt now = fit_attempt(g, plan_attempt(g, limit, release));
         g->within_share = now.length > left       ? g->read_share
                           : g->step.problem.turns ? fmin(0.1 * g->read_share, WITHIN_SHARE)
                                                   : WITHIN_SHARE;
         const bool solved = try_to_solve(g, now.stages, now.length);
         if (solved) {
             now.error = finish_step(g);
-            if (SCENE_ANY_HERTZ && tries < RELEASE_TRIES && finds_release(g)) {
-                g->rejected += 1;
-                continue; /* g->plan.longest stays: steps behind the release may be as long as this attempt */
-            }
         }
         if (now.error <= 1.0) {
-            g->plan.steps_to_release +=
-                now.stages->pace == RADAU_TO_RELEASE && g->plan.release_rest > 0.0 ? 1 : 0;
             lengthen(g, &now);
             *budget -= 1;
             return true;
@@ -1180,6 +1110,7 @@ static bool make_accurate_step(struct general *g, double limit, double left, lon
         if (general_rubs(g) && !(now.error < (double)INFINITY)) {
             g->plan.solvable = SOLVABLE_PART * now.length;
         }
+        release = solved && any_force_bends(g) ? time_to_release(g) : (double)INFINITY;
         g->rejected += 1;
         shorten(g, &now);
         if (!(g->step.start + g->plan.longest > g->step.start) || g->plan.longest < 1e-18 * limit) {
@@ -1575,7 +1506,6 @@ static void general_set_events(struct general *g)
 static void general_start(struct general *g, struct scene_state *q)
 {
     general_attach(g, q);
-    forget_release(g);
     g->plan.solvable = (double)INFINITY;
     g->plan.last_length = 0.0;
     g->step.known_length = 0.0;

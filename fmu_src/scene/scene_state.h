@@ -175,10 +175,6 @@ struct step_plan {
     double longest; /* estimate of the longest accurate step of twelve stages [s]; 0: none yet */
     double last_length, last_error; /* of the last accepted step of this phase; a length of 0: none yet */
     double solvable;                /* estimate of the longest step that is solved where bodies rub [s] */
-    double release_clock;           /* when a contact under Hertz's law ends; INFINITY: not known */
-    double release_rest;            /* what a step to that release leaves for the steps after it [s] */
-    int32_t steps_to_release;       /* number of steps made to that release */
-    int32_t unused;                 /* in place of padding */
 };
 
 struct solver_counters {
