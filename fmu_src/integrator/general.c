@@ -786,13 +786,18 @@ static bool may_fall(const struct general *g, int event, double of[RADAU_MOST_ST
     return falls;
 }
 
-/* Returns the event function at a place of the step, for the state given by the polynomial of the states. */
-static double event_within(struct general *g, int event, double place)
+/* Returns an event function at a part of the step, for the state given by the polynomial of the states. */
+static double event_at(struct general *g, int event, double part)
 {
     const struct radau_step *p = &g->step;
-    const double part = radau_part(p->stages, place);
     radau_step_at(p, part, g->y);
     return ode_event(&g->ode, p->start + part * p->length, g->y, event);
+}
+
+/* Returns the same at a place of the step. */
+static double event_within(struct general *g, int event, double place)
+{
+    return event_at(g, event, radau_part(g->step.stages, place));
 }
 
 /* Finds two neighbouring samples that enclose the first root. Returns false where no sample is at or below
@@ -1140,71 +1145,53 @@ static struct general_event general_first_event(struct general *g)
  * the polynomial of the states. */
 static double rate_at(struct general *g, int event, double part)
 {
-    const struct radau_stages *stages = g->step.stages;
     const double apart = 0.02 * part;
-    const double before = event_within(g, event, radau_place(stages, part - apart));
-    return (event_within(g, event, radau_place(stages, part)) - before) / (apart * g->step.length);
+    const double before = event_at(g, event, part - apart);
+    return (event_at(g, event, part) - before) / (apart * g->step.length);
 }
 
-/* Estimates the time from a state to the event [s] by the rate of the event function. */
-static double missing_to(struct general *g, int event, double rate, double clock, const double *y)
+/* Estimates the time from a part of the step to the event [s] by the rate of the event function. */
+static double missing_to(struct general *g, int event, double rate, double part)
 {
-    return rate < 0.0 ? -ode_event(&g->ode, clock, y, event) / rate : 0.0;
+    return rate < 0.0 ? -event_at(g, event, part) / rate : 0.0;
 }
 
-/* Solves the step again for another length, with its polynomial as guess. Returns false where the iteration
- * does not converge or the error is too large. A stiff step is judged by its error within as well, because
- * the longer step had not resolved the slip at the new end. */
-static bool solve_again(struct general *g, double length)
+/* Returns the part of the step at which an event is that is close to the part `part`. The rate is right to a
+ * few hundredths, so that each move leaves a few hundredths of the distance. The last move leaves only
+ * rounding of the gap, so that bodies whose contact ends do not overlap. */
+static double part_of_event(struct general *g, int event, double rate, double part)
 {
-    struct radau_step *p = &g->step;
-    radau_step_guess_on(p, p->stages, length);
+    const struct radau_step *p = &g->step;
+    for (int k = 0; k < MOST_MOVES; ++k) {
+        const double missing = missing_to(g, event, rate, part);
+        if (fabs(missing) <= DBL_EPSILON * fabs(p->start + part * p->length)) {
+            break;
+        }
+        part += fmin(fmax(missing / p->length, -fmin(CLOSE, part)), CLOSE);
+    }
+    return part;
+}
+
+/* Makes the step again with another length, with its polynomial as guess, and looks for the first event on the
+ * new one. Returns false where the iteration does not converge or the error is too large. A stiff step is
+ * judged by its error within as well, because the longer step had not resolved the slip at the new end. */
+static bool look_again(struct general *g, double length, struct general_event *found)
+{
+    radau_step_guess_on(&g->step, g->step.stages, length);
     if (!node_forces_solve(g, newton_share(g), NULL)) {
         return false;
     }
     const double error = finish_step(g);
-    return (is_stiff(g) ? fmax(error, g->error_within) : error) <= 1.0;
-}
-
-/* Moves a state that is close to the event to the event. The rate is right to a few hundredths, so that each
- * move leaves a few hundredths of the distance. The last move leaves only rounding of the gap, so that bodies
- * whose contact ends do not overlap. */
-static void move_to_event(struct general *g, int event, double rate, double *clock, double *y)
-{
-    const struct radau_problem *problem = &g->step.problem;
-    const double most = CLOSE * g->step.length;
-    for (int k = 0; k < MOST_MOVES; ++k) {
-        const double back = fmin(most, *clock - g->step.start);
-        const double missing = fmin(fmax(missing_to(g, event, rate, *clock, y), -back), most);
-        if (fabs(missing) <= DBL_EPSILON * fabs(*clock)) {
-            return;
-        }
-        problem->rates(problem->context, *clock, y, g->step.start_rates);
-        g->step.evaluations += 1;
-        for (int i = 0; i < g->ode.layout.size; ++i) {
-            y[i] += missing * g->step.start_rates[i];
-        }
-        *clock += missing;
-    }
-}
-
-/* Makes a step of another length and looks for the first event on its polynomial. `clock` and `y` become the
- * clock and the state at its end. */
-static bool look_again(struct general *g, double length, struct general_event *found, double *clock,
-                       double *y)
-{
-    if (!solve_again(g, length)) {
+    if (!((is_stiff(g) ? fmax(error, g->error_within) : error) <= 1.0)) {
         return false;
     }
     *found = general_first_event(g);
-    radau_step_at(&g->step, 1.0, y);
-    *clock = g->step.start + length;
     return true;
 }
 
-/* Shortens the step so that it ends at the event `found`; `y` and `clock` become the state and the clock at
- * its end. Where the shorter step shows that the event comes later, the step ends before the event and
- * `found` becomes "no event". Returns false where no step is accurate enough.
+/* Locates the event `found`, by a shorter step that ends there if need be. Where the shorter step shows that
+ * the event comes later, the step ends before the event and `found` becomes "no event". Returns false where
+ * no step is accurate enough.
  *
  * Where the polynomial is not accurate enough between its ends, a shorter step is made that ends at the
  * event. The event is located again on the shorter step's polynomial until both agree. A shorter step without
@@ -1212,40 +1199,36 @@ static bool look_again(struct general *g, double length, struct general_event *f
  * and end before it again. Where no such step can be made, because friction has no direction where
  * the normal force ends, a step of half the length comes first. A stiff step is made again in any case,
  * because its polynomial may reach F_n < 0 and reverse the slip. */
-static bool general_end_at(struct general *g, struct general_event *found, double *clock, double *y)
+static bool locate_event(struct general *g, struct general_event *found)
 {
-    struct radau_step *p = &g->step;
     for (int i = 0; i < MOST_TRIALS && found->event >= 0; ++i) {
         const double rate = rate_at(g, found->event, found->part);
         const int event = found->event;
-        double length = p->length * found->part;
+        double length = g->step.length * found->part;
         const double accurate = g->step.problem.turns ? ACCURATE_WITHIN : 1.0;
         if (!(g->error_within > accurate) && !is_stiff(g)) {
-            radau_step_at(p, found->part, y);
-            *clock = p->start + length;
-            move_to_event(g, event, rate, clock, y);
+            found->part = part_of_event(g, event, rate, found->part);
             return true;
         }
-        if (!look_again(g, length, found, clock, y)) {
-            if (!look_again(g, 0.5 * length, found, clock, y)) {
+        if (!look_again(g, length, found)) {
+            if (!look_again(g, 0.5 * length, found)) {
                 return false;
             }
             continue;
         }
-        double missing = missing_to(g, event, rate, *clock, y);
+        double missing = missing_to(g, event, rate, 1.0);
         for (int k = 0;
              k < MOST_MOVES && found->event < 0 && missing > CLOSE * length && missing < 0.1 * length; ++k) {
             length += missing;
-            if (!look_again(g, length, found, clock, y)) {
+            if (!look_again(g, length, found)) {
                 return false;
             }
-            missing = missing_to(g, event, rate, *clock, y);
+            missing = missing_to(g, event, rate, 1.0);
         }
         const bool is_first =
             found->event < 0 || found->part >= 1.0 - CLOSE; /* on the shorter step's polynomial */
         if (is_first && fabs(missing) <= CLOSE * length) {
-            *found = (struct general_event){1.0, event};
-            move_to_event(g, event, rate, clock, y);
+            *found = (struct general_event){part_of_event(g, event, rate, 1.0), event};
             return true;
         }
     }
@@ -1388,11 +1371,14 @@ static void fly_others(const struct general *g, struct scene_state *q, double cl
     }
 }
 
-/* Moves the scene to a clock within the step or at its end, and notes the peaks up to that clock. */
-static void general_move_scene(struct general *g, struct scene_state *q, double clock, const double *y)
+/* Moves the scene along the step to a clock within it or at its end, and notes the peaks up to that clock. */
+static void general_follow(struct general *g, struct scene_state *q, double clock)
 {
+    const struct general_end *end = &g->end;
     const double from = q->clock;
-    ode_unpack(&g->ode, q, y);
+    radau_step_at(&g->step, clock == end->clock ? end->event.part : (clock - g->step.start) / g->step.length,
+                  g->y);
+    ode_unpack(&g->ode, q, g->y);
     fly_others(g, q, clock);
     q->clock = clock;
     flight_restore(q);
@@ -1443,7 +1429,7 @@ bool general_open(struct general **slot, const struct scene_values *v, const str
     const int size = wanted.size;
     const size_t own = (sizeof(struct general) + 15) / 16 * 16;
     const size_t nodes = (node_forces_memory() + 15) / 16 * 16;
-    const size_t rows = 6 * (size_t)size * sizeof(double);
+    const size_t rows = 5 * (size_t)size * sizeof(double);
     const size_t bytes = own + nodes + rows + radau_step_memory(&wanted);
     if (*slot == NULL || (*slot)->bytes < bytes) {
         struct general *made = memory->allocate(1, bytes);
@@ -1463,8 +1449,7 @@ bool general_open(struct general **slot, const struct scene_values *v, const str
     g->end_size = g->size_of + size;
     g->per_impulse = g->end_size + size;
     g->largest_error = g->per_impulse + size;
-    g->end.y = g->largest_error + size;
-    g->steps = g->end.y + size;
+    g->steps = g->largest_error + size;
     g->message = message;
     return true;
 }
@@ -1517,9 +1502,8 @@ static void general_start(struct general *g, struct scene_state *q)
     }
 }
 
-/* A step may go on beyond a communication point. The state of motion then stores the step's polynomial, which
- * gives the motion at that point. */
-
+/* Stores the step in the state of motion, because it goes on beyond a communication point: its polynomial
+ * gives the motion at later points. */
 static void general_keep_step(const struct general *g, struct scene_state *q)
 {
     const struct radau_step *p = &g->step;
@@ -1528,11 +1512,11 @@ static void general_keep_step(const struct general *g, struct scene_state *q)
     kept->start = p->start;
     kept->length = p->length;
     kept->end = g->end.clock;
+    kept->end_part = g->end.event.part;
     kept->stages = p->stages->stages;
     kept->pace = (int32_t)p->stages->pace;
     kept->event = g->end.event.event;
     memcpy(kept->at_start, p->y, bytes);
-    memcpy(kept->at_end, g->end.y, bytes);
     memcpy(kept->weight, p->weight, bytes);
     memcpy(kept->peaks, g->peaks, sizeof kept->peaks);
     for (int k = 0; k <= p->stages->stages; ++k) {
@@ -1551,9 +1535,7 @@ static bool general_take_up(struct general *g, struct scene_state *q)
     }
     general_attach(g, q);
     const size_t bytes = (size_t)g->ode.layout.size * sizeof(double);
-    g->end.clock = kept->end;
-    g->end.event = (struct general_event){1.0, kept->event};
-    memcpy(g->end.y, kept->at_end, bytes);
+    g->end = (struct general_end){kept->end, {kept->end_part, kept->event}};
     memcpy(g->step.weight, kept->weight, bytes);
     memcpy(g->peaks, kept->peaks, sizeof g->peaks);
     radau_step_take_over(&g->step, kept->start, kept->length, kept->at_start,
@@ -1562,11 +1544,10 @@ static bool general_take_up(struct general *g, struct scene_state *q)
     return true;
 }
 
-/* Moves the scene along the step to a clock within it. */
-static void general_follow(struct general *g, struct scene_state *q, double clock)
+/* Moves the scene along the step that `q` stores to a clock before its end. */
+static void follow_stored(struct general *g, struct scene_state *q, double clock)
 {
-    radau_step_at(&g->step, (clock - g->step.start) / g->step.length, g->y);
-    general_move_scene(g, q, clock, g->y);
+    general_follow(g, q, clock);
     q->unfinished.present = clock;
     q->integrator_fresh = 0;
 }
@@ -1576,13 +1557,25 @@ void general_follow_kept(struct general *g, struct scene_state *q, double noted,
     q->clock = q->unfinished.present;
     if (general_take_up(g, q)) {
         q->clock = noted;
-        general_follow(g, q, clock);
+        follow_stored(g, q, clock);
     }
+}
+
+/* Ends the advance by an event at the present. */
+static enum advance_result end_by_event(const struct general *g, struct scene_state *q, struct advance *step,
+                                        int event)
+{
+    const enum advance_result result = advance_to_event(step, q, event);
+    if (step->regime == REGIME_APART) {
+        projection_end_contact(&g->ode, q, step->contact, g->relative, g->absolute);
+    }
+    q->contact[step->contact].schedule.dead_band_clock = q->clock * (1.0 + 16.0 * DBL_EPSILON);
+    return result;
 }
 
 /* Makes a step up to its end or its first event. Where no step can be made to end at the event, a step of
  * half that length is made first. The length is halved until the event is within rounding of the clock. */
-static enum advance_result make_step(struct general *g, const struct scene_state *q, struct advance *step)
+static enum advance_result make_step(struct general *g, struct scene_state *q, struct advance *step)
 {
     struct general_end *end = &g->end;
     const double left = step->clock_end - q->clock;
@@ -1608,42 +1601,35 @@ static enum advance_result make_step(struct general *g, const struct scene_state
         }
         g->plan.longest = fmax(g->plan.longest, known);
         end->event = first;
-        end->clock = g->step.length == left ? step->clock_end : q->clock + g->step.length;
-        if (first.event < 0) {
-            radau_step_at(&g->step, 1.0, end->y);
+        if (locate_event(g, &end->event)) {
+            end->event.part = end->event.event < 0 ? 1.0 : end->event.part;
+            end->clock = end->event.event < 0 && g->step.length == left
+                             ? step->clock_end
+                             : q->clock + end->event.part * g->step.length;
             return ADVANCE_REACHED;
         }
-        if (general_end_at(g, &end->event, &end->clock, end->y)) {
-            return ADVANCE_REACHED;
-        }
-        ode_pack(&g->ode, end->y);
-        general_begin(g, q->clock, end->y);
+        ode_pack(&g->ode, g->y);
+        general_begin(g, q->clock, g->y);
         if (!(q->clock + 0.5 * until > q->clock)) {
-            end->event = first;
-            end->clock = q->clock;
-            return ADVANCE_REACHED;
+            return end_by_event(g, q, step, first.event);
         }
         longest = 0.5 * until;
         step->budget += 1; /* this step is not counted: the length is halved fifty times at most */
     }
 }
 
-/* Moves the scene to the end of the step and, where an event ends it, sets the event and its regime. */
+/* Moves the scene to the end of the step. Where no event ends it, the next step begins there. */
 static enum advance_result end_step(struct general *g, struct scene_state *q, struct advance *step)
 {
     const struct general_end *end = &g->end;
-    general_move_scene(g, q, end->clock, end->y);
+    general_follow(g, q, end->clock);
     if (end->event.event >= 0) {
-        const enum advance_result result = advance_to_event(step, q, end->event.event);
-        if (step->regime == REGIME_APART) {
-            projection_end_contact(&g->ode, q, step->contact, g->relative, g->absolute);
-        }
-        q->contact[step->contact].schedule.dead_band_clock = q->clock * (1.0 + 16.0 * DBL_EPSILON);
-        return result;
+        return end_by_event(g, q, step, end->event.event);
     }
     if (q->clock < step->clock_end) {
-        end->y[g->ode.layout.dissipated + 1] = q->external_work; /* with that of fly_others */
-        general_begin(g, q->clock, end->y);
+        radau_step_at(&g->step, end->event.part, g->y);
+        g->y[g->ode.layout.dissipated + 1] = q->external_work; /* with that of fly_others */
+        general_begin(g, q->clock, g->y);
     }
     return ADVANCE_REACHED;
 }
@@ -1660,8 +1646,8 @@ static enum advance_result make_steps(struct general *g, struct scene_state *q, 
         counter_add(&q->counters.steps, 1);
         general_set_peaks(g);
         if (g->end.clock > step->clock_end) {
-            general_keep_step(g, q);
             general_follow(g, q, step->clock_end);
+            general_keep_step(g, q);
             return ADVANCE_REACHED;
         }
         result = end_step(g, q, step);
@@ -1681,7 +1667,7 @@ CONTACT_NOINLINE enum advance_result general_advance(struct general *g, struct s
     g->rejected = 0;
     if (general_take_up(g, q)) {
         if (g->end.clock > step->clock_end) {
-            general_follow(g, q, step->clock_end);
+            follow_stored(g, q, step->clock_end);
             return ADVANCE_REACHED;
         }
         general_set_events(g); /* the last call has stored a step, which ends here */

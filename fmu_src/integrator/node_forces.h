@@ -25,8 +25,7 @@ struct general_event {
 /* The end of the last step. */
 struct general_end {
     double clock;
-    struct general_event event; /* the event that ends the step */
-    double *y;                  /* [size] */
+    struct general_event event; /* the event that ends the step, and the part of the step there */
 };
 
 /* The largest of the contacts of an island that transmit forces, at the start of a step. */

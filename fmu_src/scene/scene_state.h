@@ -159,9 +159,9 @@ enum {
 struct unfinished_step {
     double start, length; /* the clock at the start of the step, and its length [s] */
     double end;           /* the clock of the event that ends the step early, or of its end [s] */
+    double end_part;      /* the part of the step's length at the clock `end` */
     double present;       /* the clock up to which the motion has followed the step [s] */
     double at_start[UNFINISHED_STATES];
-    double at_end[UNFINISHED_STATES];                           /* at the clock `end` */
     double weight[UNFINISHED_STATES];                           /* 1 divided by the error allowed */
     double chebyshev[RADAU_MOST_STAGES + 1][UNFINISHED_STATES]; /* as in struct radau_step */
     double peaks[SCENE_CONTACTS][2][RADAU_MOST_STAGES + 1];     /* as in struct general */
