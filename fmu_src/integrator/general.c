@@ -307,12 +307,6 @@ static const double REACH_OF_FOUR = 0.09;
 static const double GROWTH = 4.0;
 static const double SHRINKAGE = 0.15;
 
-/* A small error by decay before the first stage grows with a low power of the step's length; START_POWER is
- * the inverse of that power. A large error comes from a decay much faster than the step; the next length is
- * at least START_SHRINKAGE times the last. */
-static const double START_SHRINKAGE = 0.05;
-static const double START_POWER = 1.0 / 6.0;
-
 /* Chebyshev coefficients that do not decrease are noise, as in the slip of friction whose v_0 is hardly more
  * than the rounding of velocities. A small error of noise says nothing about longer steps. */
 static const double NOISE_OF_ERROR = 0.1;
@@ -527,11 +521,6 @@ static bool is_stiff(const struct general *g)
  * error at the end is then taken to be at least the error within. */
 static const double END_OF_ROLLING = 0.3;
 
-/* If no state decays by this number of powers of e within the step, no motion dies away before the first
- * stage. The defect of the polynomial at the start is then that of an oscillation, and the error at the end
- * contains its effect. */
-static const double LEAST_DECAY = 1.0;
-
 /* Completes a step whose stages are solved. Returns its largest error, divided by the error allowed. */
 static double finish_step(struct general *g)
 {
@@ -542,15 +531,14 @@ static double finish_step(struct general *g)
     g->error_within = error.within;
     g->error_is_noise = p->problem.turns && !(error.at_end < NOISE_OF_DECREASE * error.within);
     g->error_at_end = fmax(error.at_end, g->within_share * error.within);
-    g->error_of_start = g->error_of_rolling = 0.0;
-    if (general_rubs(g) && g->error_at_end <= 1.0) { /* radau_step_start_error also sets end_slopes */
-        const double of_start = g->within_share * radau_step_start_error(p);
+    g->error_of_rolling = 0.0;
+    if (general_rubs(g) && g->error_at_end <= 1.0) {
+        radau_step_end_slopes(p);
         const double decay = fastest_decay_of(p, p->slopes);
-        g->error_of_start = p->length * decay > LEAST_DECAY ? of_start : 0.0;
         const bool ends = fastest_decay_of(p, p->end_slopes) < END_OF_ROLLING * decay;
         g->error_of_rolling = ends ? error.within : 0.0;
     }
-    return fmax(fmax(g->error_at_end, g->error_of_rolling), g->error_of_start);
+    return fmax(g->error_at_end, g->error_of_rolling);
 }
 
 /* An event is located by a step that ends close to it. If the distance is below this part of the step, the
@@ -924,16 +912,14 @@ static double factor_of(const struct general *g, double error, const struct rada
     if (!(error < (double)INFINITY)) {
         return general_rubs(g) ? SOLVABLE_PART : 0.4;
     }
-    const double start = SAFETY * pow(fmax(g->error_of_start, 1e-100), -START_POWER);
-    const double longest = fmin(fmax(start, START_SHRINKAGE), GROWTH);
     const double power = 1.0 / (2.0 * stages->stages - 1.0);
     const double at_end = g->error_at_end;
     const double of_rolling = SAFETY * pow(fmax(g->error_of_rolling, 1e-100), -1.0 / stages->stages);
     if (g->error_is_noise && (at_end < NOISE_OF_ERROR || at_end > 1.0)) {
-        return fmin(at_end > 1.0 ? SHRINKAGE : of_rolling, longest);
+        return fmin(at_end > 1.0 ? SHRINKAGE : of_rolling, GROWTH);
     }
     const double factor = fmin(SAFETY * pow(fmax(at_end, 1e-100), -power), of_rolling);
-    return fmin(fmax(factor, SHRINKAGE), longest);
+    return fmin(fmax(factor, SHRINKAGE), GROWTH);
 }
 
 /* Returns the largest ratio of the next step's length to that of a step which took so many iterations for the
@@ -1089,12 +1075,17 @@ static void lengthen(struct general *g, const struct attempt *now)
     g->plan.solvable *= g->step.iterations <= EASY_ITERATIONS ? EASY_GROWTH : SOLVABLE_GROWTH;
 }
 
+/* Near a release the last Chebyshev coefficients decrease more slowly than those of an oscillation. The error
+ * at the end is then at least this share of the error within. The share is chosen: impacts with elastic
+ * friction are as accurate with it as with steps that never cross a release unseen. */
+static const double SHARE_AT_RELEASE = 0.1;
+
 /* Makes one accurate step of at most `limit` [s] in g->step. Returns false with a message where no step is
  * accurate enough, and false where the `budget` of steps is used up. A step longer than `left` [s] is
  * accurate within as well, because outputs are read there. */
 static bool make_accurate_step(struct general *g, double limit, double left, long *budget)
 {
-    double release = (double)INFINITY; /* time to it [s], known from the last attempt */
+    double release = (double)INFINITY; /* time to it by the last solved attempt [s] */
     for (;;) {
         if (*budget <= 0) {
             return false;
@@ -1106,6 +1097,11 @@ static bool make_accurate_step(struct general *g, double limit, double left, lon
         const bool solved = try_to_solve(g, now.stages, now.length);
         if (solved) {
             now.error = finish_step(g);
+            release = any_force_bends(g) ? time_to_release(g) : (double)INFINITY;
+            if (now.stages->pace != RADAU_TO_RELEASE && release < BENDS_APART * now.length) {
+                g->error_at_end = fmax(g->error_at_end, SHARE_AT_RELEASE * g->error_within);
+                now.error = fmax(now.error, g->error_at_end);
+            }
         }
         if (now.error <= 1.0) {
             lengthen(g, &now);
@@ -1115,7 +1111,6 @@ static bool make_accurate_step(struct general *g, double limit, double left, lon
         if (general_rubs(g) && !(now.error < (double)INFINITY)) {
             g->plan.solvable = SOLVABLE_PART * now.length;
         }
-        release = solved && any_force_bends(g) ? time_to_release(g) : (double)INFINITY;
         g->rejected += 1;
         shorten(g, &now);
         if (!(g->step.start + g->plan.longest > g->step.start) || g->plan.longest < 1e-18 * limit) {
@@ -1172,8 +1167,8 @@ static double part_of_event(struct general *g, int event, double rate, double pa
     return part;
 }
 
-/* Makes the step again with another length, with its polynomial as guess, and looks for the first event on the
- * new one. Returns false where the iteration does not converge or the error is too large. A stiff step is
+/* Makes the step again with another length, with its polynomial as guess, and looks for the first event on
+ * the new one. Returns false where the iteration does not converge or the error is too large. A stiff step is
  * judged by its error within as well, because the longer step had not resolved the slip at the new end. */
 static bool look_again(struct general *g, double length, struct general_event *found)
 {
