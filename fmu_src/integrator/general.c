@@ -1077,7 +1077,7 @@ static void lengthen(struct general *g, const struct attempt *now)
 
 /* Near a release the last Chebyshev coefficients decrease more slowly than those of an oscillation. The error
  * at the end is then at least this share of the error within. The share is chosen: impacts with elastic
- * friction are as accurate with it as with steps that never cross a release unseen. */
+ * friction are as accurate with it as with steps that all end before a release. */
 static const double SHARE_AT_RELEASE = 0.1;
 
 /* Makes one accurate step of at most `limit` [s] in g->step. Returns false with a message where no step is
