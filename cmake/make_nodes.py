@@ -218,8 +218,7 @@ def stage_tables(stages: int, pace: str = "") -> str:
         f"radau_{name}_{stages}" for name in ("node", *alike)
     ]
     kind = {"touch": "RADAU_FROM_TOUCH", "release": "RADAU_TO_RELEASE"}.get(pace, "RADAU_EVEN")
-    first = f"{stages}, {kind}, {number(PACES.get(pace, even)(Decimal(0))[1])}"
-    struct = f"const struct radau_stages radau_stages_{own} = {{\n    {first},\n    "
+    struct = f"const struct radau_stages radau_stages_{own} = {{\n    {stages}, {kind},\n    "
     return "\n".join([*arrays, struct + ",\n    ".join(members) + "};\n"])
 
 

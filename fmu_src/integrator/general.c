@@ -307,12 +307,6 @@ static const double REACH_OF_FOUR = 0.09;
 static const double GROWTH = 4.0;
 static const double SHRINKAGE = 0.15;
 
-/* A small error by decay before the first stage grows with a low power of the step's length; START_POWER is
- * the inverse of that power. A large error comes from a decay much faster than the step; the next length is
- * at least START_SHRINKAGE times the last. */
-static const double START_SHRINKAGE = 0.05;
-static const double START_POWER = 1.0 / 6.0;
-
 /* Chebyshev coefficients that do not decrease are noise, as in the slip of friction whose v_0 is hardly more
  * than the rounding of velocities. A small error of noise says nothing about longer steps. */
 static const double NOISE_OF_ERROR = 0.1;
@@ -527,11 +521,6 @@ static bool is_stiff(const struct general *g)
  * error at the end is then taken to be at least the error within. */
 static const double END_OF_ROLLING = 0.3;
 
-/* If no state decays by this number of powers of e within the step, no motion dies away before the first
- * stage. The defect of the polynomial at the start is then that of an oscillation, and the error at the end
- * contains its effect. */
-static const double LEAST_DECAY = 1.0;
-
 /* Completes a step whose stages are solved. Returns its largest error, divided by the error allowed. */
 static double finish_step(struct general *g)
 {
@@ -542,15 +531,14 @@ static double finish_step(struct general *g)
     g->error_within = error.within;
     g->error_is_noise = p->problem.turns && !(error.at_end < NOISE_OF_DECREASE * error.within);
     g->error_at_end = fmax(error.at_end, g->within_share * error.within);
-    g->error_of_start = g->error_of_rolling = 0.0;
-    if (general_rubs(g) && g->error_at_end <= 1.0) { /* radau_step_start_error also sets end_slopes */
-        const double of_start = g->within_share * radau_step_start_error(p);
+    g->error_of_rolling = 0.0;
+    if (general_rubs(g) && g->error_at_end <= 1.0) {
+        radau_step_end_slopes(p);
         const double decay = fastest_decay_of(p, p->slopes);
-        g->error_of_start = p->length * decay > LEAST_DECAY ? of_start : 0.0;
         const bool ends = fastest_decay_of(p, p->end_slopes) < END_OF_ROLLING * decay;
         g->error_of_rolling = ends ? error.within : 0.0;
     }
-    return fmax(fmax(g->error_at_end, g->error_of_rolling), g->error_of_start);
+    return fmax(g->error_at_end, g->error_of_rolling);
 }
 
 /* An event is located by a step that ends close to it. If the distance is below this part of the step, the
@@ -783,13 +771,18 @@ static bool may_fall(const struct general *g, int event, double of[RADAU_MOST_ST
     return falls;
 }
 
-/* Returns the event function at a place of the step, for the state given by the polynomial of the states. */
-static double event_within(struct general *g, int event, double place)
+/* Returns an event function at a part of the step, for the state given by the polynomial of the states. */
+static double event_at(struct general *g, int event, double part)
 {
     const struct radau_step *p = &g->step;
-    const double part = radau_part(p->stages, place);
     radau_step_at(p, part, g->y);
     return ode_event(&g->ode, p->start + part * p->length, g->y, event);
+}
+
+/* Returns the same at a place of the step. */
+static double event_within(struct general *g, int event, double place)
+{
+    return event_at(g, event, radau_part(g->step.stages, place));
 }
 
 /* Finds two neighbouring samples that enclose the first root. Returns false where no sample is at or below
@@ -916,16 +909,14 @@ static double factor_of(const struct general *g, double error, const struct rada
     if (!(error < (double)INFINITY)) {
         return general_rubs(g) ? SOLVABLE_PART : 0.4;
     }
-    const double start = SAFETY * pow(fmax(g->error_of_start, 1e-100), -START_POWER);
-    const double longest = fmin(fmax(start, START_SHRINKAGE), GROWTH);
     const double power = 1.0 / (2.0 * stages->stages - 1.0);
     const double at_end = g->error_at_end;
     const double of_rolling = SAFETY * pow(fmax(g->error_of_rolling, 1e-100), -1.0 / stages->stages);
     if (g->error_is_noise && (at_end < NOISE_OF_ERROR || at_end > 1.0)) {
-        return fmin(at_end > 1.0 ? SHRINKAGE : of_rolling, longest);
+        return fmin(at_end > 1.0 ? SHRINKAGE : of_rolling, GROWTH);
     }
     const double factor = fmin(SAFETY * pow(fmax(at_end, 1e-100), -power), of_rolling);
-    return fmin(fmax(factor, SHRINKAGE), longest);
+    return fmin(fmax(factor, SHRINKAGE), GROWTH);
 }
 
 /* Returns the largest ratio of the next step's length to that of a step which took so many iterations for the
@@ -951,56 +942,14 @@ struct attempt {
  */
 #define BENDS_APART 3.0
 
-/* A step is made again if it is longer than this number of times that it leaves before the release. The
- * number exceeds BENDS_APART, because the clock of the release becomes better known in each trial. */
-static const double MUCH_TOO_NEAR = 2.0 * BENDS_APART;
-
-/* A touch or a release that is nearer to the start of a step than this part of its length does not matter:
- * the impulse in between is the power 5/2 of this part, 3e-13, of that in the step. */
+/* A touch that is nearer to the start of a step than this part of its length does not matter: the impulse in
+ * between is the power 5/2 of this part, 3e-13, of that in the step. */
 static const double NO_IMPULSE = 1e-5;
-
-/* The clock of a release is known well enough if the last two estimates differ by less than this part of the
- * time that the step to the release leaves before it. */
-static const double RELEASE_KNOWN = 0.1;
-
-/* The last step before a release is longer than the time to it by this factor, so that the release is found
- * within it. */
-static const double BEYOND_RELEASE = 1.02;
-
-/* A step is tried for at most so many other clocks of the release. After that the error alone decides whether
- * the step is accepted, so that the search ends. */
-enum { RELEASE_TRIES = 16 };
 
 /* Returns the time after the start of the step below which a time is rounding of the clock [s]. */
 static double clock_rounding(const struct general *g)
 {
     return 64.0 * DBL_EPSILON * fabs(g->step.start);
-}
-
-/* Returns the number of steps to a release that are made one after the other. Hertz's force leaves the power
- * 5/2 of RADAU_REST, 3e-8, of its impulse for the last piece. A tangential force whose stiffness follows the
- * depth goes with the root of the time to the release, and one step would leave the power 3/2. */
-static int release_steps(const struct general *g)
-{
-    int steps = 1;
-    for (int j = 0; SCENE_ANY_MINDLIN && j < SCENE_CONTACTS; ++j) {
-        steps = contact_transmits(g->state, j) && scene_stiffens(g->ode.values, j) ? 2 : steps;
-    }
-    return steps;
-}
-
-/* Whether the step begins where the steps to the release have ended, so that only the last piece is left. */
-static bool is_at_release(const struct general *g)
-{
-    return g->plan.steps_to_release > 0 && g->plan.steps_to_release >= release_steps(g) &&
-           g->plan.release_clock - g->step.start <= 2.0 * g->plan.release_rest;
-}
-
-static void forget_release(struct general *g)
-{
-    g->plan.release_clock = (double)INFINITY;
-    g->plan.release_rest = 0.0;
-    g->plan.steps_to_release = 0;
 }
 
 /* Whether the step begins at a touch. A touch shortly before limits its length. */
@@ -1018,27 +967,23 @@ static bool is_at_touch(const struct general *g, double *length)
     return found;
 }
 
-/* Returns the next attempt at a step, with its length and its method. The step lasts `limit` [s] at most. */
-static struct attempt plan_attempt(const struct general *g, double limit)
+/* Returns the next attempt at a step, with its length and its method. The step lasts `limit` [s] at most. The
+ * attempt has the pace to a release if it lasts up to there; `ahead` is the time to the release [s]. */
+static struct attempt plan_attempt(const struct general *g, double limit, double ahead)
 {
     struct attempt next = {.length = fmin(limit, g->plan.longest), .error = (double)INFINITY};
-    const double ahead = g->plan.release_clock - g->step.start;
     const bool at_touch = is_at_touch(g, &next.length);
     if (at_touch) {
         next.length = fmin(next.length, 0.5 * ahead);
         next.stages = &radau_stages_touch;
         return next;
     }
-    if (is_at_release(g)) {
-        next.length = fmin(next.length, BEYOND_RELEASE * ahead);
-    } else if (ahead < (double)INFINITY) {
-        if (next.length >= ahead / (1.0 + RADAU_REST)) {
-            next.length = ahead / (1.0 + RADAU_REST);
-            next.stages = &radau_stages_release;
-            return next;
-        }
-        next.length = fmin(next.length, BENDS_APART / (1.0 + BENDS_APART) * ahead);
+    if (next.length >= ahead / (1.0 + RADAU_REST)) {
+        next.length = ahead / (1.0 + RADAU_REST);
+        next.stages = &radau_stages_release;
+        return next;
     }
+    next.length = fmin(next.length, BENDS_APART / (1.0 + BENDS_APART) * ahead);
     next.stages = next.length <= REACH_OF_FOUR * g->plan.longest ? &radau_stages_4
                                                                  : stages_of_long_step(g, next.length);
     return next;
@@ -1072,28 +1017,12 @@ static double release_after(const struct general *g)
     return least;
 }
 
-/* Whether a solved attempt shows a release under Hertz's law that the attempt was not made for. The release
- * lies within the step, or so soon after its end that the step is too long. */
-static bool finds_release(struct general *g)
+/* Returns the time from the start of the step to the release under Hertz's law that a solved attempt shows
+ * within the step or after its end [s]. INFINITY: no contact opens, or it opens at the start. */
+static double time_to_release(struct general *g)
 {
-    const double known = g->plan.release_clock;
-    const double end = g->step.start + g->step.length;
-    if (!any_force_bends(g) || is_at_release(g)) {
-        return false;
-    }
-    const double found = fmin(release_within(g), release_after(g));
-    if (found - g->step.start <= fmax(NO_IMPULSE * g->step.length, clock_rounding(g))) {
-        forget_release(g);
-        return false;
-    }
-    const bool is_near = MUCH_TOO_NEAR * (found - end) < g->step.length;
-    if (g->step.stages->pace == RADAU_TO_RELEASE) {
-        g->plan.release_rest = is_near ? RADAU_REST * g->step.length : 0.0;
-        g->plan.release_clock = found;
-        return is_near && fabs(found - known) > RELEASE_KNOWN * g->plan.release_rest;
-    }
-    g->plan.release_clock = is_near ? found : known;
-    return is_near;
+    const double time = fmin(release_within(g), release_after(g)) - g->step.start;
+    return time > clock_rounding(g) ? time : (double)INFINITY;
 }
 
 /* Shortens g->plan.longest after the attempt `now` has been rejected. */
@@ -1143,33 +1072,35 @@ static void lengthen(struct general *g, const struct attempt *now)
     g->plan.solvable *= g->step.iterations <= EASY_ITERATIONS ? EASY_GROWTH : SOLVABLE_GROWTH;
 }
 
+/* Near a release the last Chebyshev coefficients decrease more slowly than those of an oscillation. The error
+ * at the end is then at least this share of the error within. The share is chosen: impacts with elastic
+ * friction are as accurate with it as with steps that all end before a release. */
+static const double SHARE_AT_RELEASE = 0.1;
+
 /* Makes one accurate step of at most `limit` [s] in g->step. Returns false with a message where no step is
  * accurate enough, and false where the `budget` of steps is used up. A step longer than `left` [s] is
  * accurate within as well, because outputs are read there. */
 static bool make_accurate_step(struct general *g, double limit, double left, long *budget)
 {
-    if (SCENE_ANY_HERTZ && !(g->plan.release_clock - g->step.start > clock_rounding(g))) {
-        forget_release(g);
-    }
-    for (int tries = 0;; ++tries) {
+    double release = (double)INFINITY; /* time to it by the last solved attempt [s] */
+    for (;;) {
         if (*budget <= 0) {
             return false;
         }
-        struct attempt now = fit_attempt(g, plan_attempt(g, limit));
+        struct attempt now = fit_attempt(g, plan_attempt(g, limit, release));
         g->within_share = now.length > left       ? g->read_share
                           : g->step.problem.turns ? fmin(0.1 * g->read_share, WITHIN_SHARE)
                                                   : WITHIN_SHARE;
         const bool solved = try_to_solve(g, now.stages, now.length);
         if (solved) {
             now.error = finish_step(g);
-            if (SCENE_ANY_HERTZ && tries < RELEASE_TRIES && finds_release(g)) {
-                g->rejected += 1;
-                continue; /* g->plan.longest stays: steps behind the release may be as long as this attempt */
+            release = any_force_bends(g) ? time_to_release(g) : (double)INFINITY;
+            if (now.stages->pace != RADAU_TO_RELEASE && release < BENDS_APART * now.length) {
+                g->error_at_end = fmax(g->error_at_end, SHARE_AT_RELEASE * g->error_within);
+                now.error = fmax(now.error, g->error_at_end);
             }
         }
         if (now.error <= 1.0) {
-            g->plan.steps_to_release +=
-                now.stages->pace == RADAU_TO_RELEASE && g->plan.release_rest > 0.0 ? 1 : 0;
             lengthen(g, &now);
             *budget -= 1;
             return true;
@@ -1206,71 +1137,53 @@ static struct general_event general_first_event(struct general *g)
  * the polynomial of the states. */
 static double rate_at(struct general *g, int event, double part)
 {
-    const struct radau_stages *stages = g->step.stages;
     const double apart = 0.02 * part;
-    const double before = event_within(g, event, radau_place(stages, part - apart));
-    return (event_within(g, event, radau_place(stages, part)) - before) / (apart * g->step.length);
+    const double before = event_at(g, event, part - apart);
+    return (event_at(g, event, part) - before) / (apart * g->step.length);
 }
 
-/* Estimates the time from a state to the event [s] by the rate of the event function. */
-static double missing_to(struct general *g, int event, double rate, double clock, const double *y)
+/* Estimates the time from a part of the step to the event [s] by the rate of the event function. */
+static double missing_to(struct general *g, int event, double rate, double part)
 {
-    return rate < 0.0 ? -ode_event(&g->ode, clock, y, event) / rate : 0.0;
+    return rate < 0.0 ? -event_at(g, event, part) / rate : 0.0;
 }
 
-/* Solves the step again for another length, with its polynomial as guess. Returns false where the iteration
- * does not converge or the error is too large. A stiff step is judged by its error within as well, because
- * the longer step had not resolved the slip at the new end. */
-static bool solve_again(struct general *g, double length)
+/* Returns the part of the step at which an event is that is close to the part `part`. The rate is right to a
+ * few hundredths, so that each move leaves a few hundredths of the distance. The last move leaves only
+ * rounding of the gap, so that bodies whose contact ends do not overlap. */
+static double part_of_event(struct general *g, int event, double rate, double part)
 {
-    struct radau_step *p = &g->step;
-    radau_step_guess_on(p, p->stages, length);
+    const struct radau_step *p = &g->step;
+    for (int k = 0; k < MOST_MOVES; ++k) {
+        const double missing = missing_to(g, event, rate, part);
+        if (fabs(missing) <= DBL_EPSILON * fabs(p->start + part * p->length)) {
+            break;
+        }
+        part += fmin(fmax(missing / p->length, -fmin(CLOSE, part)), CLOSE);
+    }
+    return part;
+}
+
+/* Makes the step again with another length, with its polynomial as guess, and looks for the first event on
+ * the new one. Returns false where the iteration does not converge or the error is too large. A stiff step is
+ * judged by its error within as well, because the longer step had not resolved the slip at the new end. */
+static bool look_again(struct general *g, double length, struct general_event *found)
+{
+    radau_step_guess_on(&g->step, g->step.stages, length);
     if (!node_forces_solve(g, newton_share(g), NULL)) {
         return false;
     }
     const double error = finish_step(g);
-    return (is_stiff(g) ? fmax(error, g->error_within) : error) <= 1.0;
-}
-
-/* Moves a state that is close to the event to the event. The rate is right to a few hundredths, so that each
- * move leaves a few hundredths of the distance. The last move leaves only rounding of the gap, so that bodies
- * whose contact ends do not overlap. */
-static void move_to_event(struct general *g, int event, double rate, double *clock, double *y)
-{
-    const struct radau_problem *problem = &g->step.problem;
-    const double most = CLOSE * g->step.length;
-    for (int k = 0; k < MOST_MOVES; ++k) {
-        const double back = fmin(most, *clock - g->step.start);
-        const double missing = fmin(fmax(missing_to(g, event, rate, *clock, y), -back), most);
-        if (fabs(missing) <= DBL_EPSILON * fabs(*clock)) {
-            return;
-        }
-        problem->rates(problem->context, *clock, y, g->step.start_rates);
-        g->step.evaluations += 1;
-        for (int i = 0; i < g->ode.layout.size; ++i) {
-            y[i] += missing * g->step.start_rates[i];
-        }
-        *clock += missing;
-    }
-}
-
-/* Makes a step of another length and looks for the first event on its polynomial. `clock` and `y` become the
- * clock and the state at its end. */
-static bool look_again(struct general *g, double length, struct general_event *found, double *clock,
-                       double *y)
-{
-    if (!solve_again(g, length)) {
+    if (!((is_stiff(g) ? fmax(error, g->error_within) : error) <= 1.0)) {
         return false;
     }
     *found = general_first_event(g);
-    radau_step_at(&g->step, 1.0, y);
-    *clock = g->step.start + length;
     return true;
 }
 
-/* Shortens the step so that it ends at the event `found`; `y` and `clock` become the state and the clock at
- * its end. Where the shorter step shows that the event comes later, the step ends before the event and
- * `found` becomes "no event". Returns false where no step is accurate enough.
+/* Locates the event `found`, by a shorter step that ends there if need be. Where the shorter step shows that
+ * the event comes later, the step ends before the event and `found` becomes "no event". Returns false where
+ * no step is accurate enough.
  *
  * Where the polynomial is not accurate enough between its ends, a shorter step is made that ends at the
  * event. The event is located again on the shorter step's polynomial until both agree. A shorter step without
@@ -1278,40 +1191,36 @@ static bool look_again(struct general *g, double length, struct general_event *f
  * and end before it again. Where no such step can be made, because friction has no direction where
  * the normal force ends, a step of half the length comes first. A stiff step is made again in any case,
  * because its polynomial may reach F_n < 0 and reverse the slip. */
-static bool general_end_at(struct general *g, struct general_event *found, double *clock, double *y)
+static bool locate_event(struct general *g, struct general_event *found)
 {
-    struct radau_step *p = &g->step;
     for (int i = 0; i < MOST_TRIALS && found->event >= 0; ++i) {
         const double rate = rate_at(g, found->event, found->part);
         const int event = found->event;
-        double length = p->length * found->part;
+        double length = g->step.length * found->part;
         const double accurate = g->step.problem.turns ? ACCURATE_WITHIN : 1.0;
         if (!(g->error_within > accurate) && !is_stiff(g)) {
-            radau_step_at(p, found->part, y);
-            *clock = p->start + length;
-            move_to_event(g, event, rate, clock, y);
+            found->part = part_of_event(g, event, rate, found->part);
             return true;
         }
-        if (!look_again(g, length, found, clock, y)) {
-            if (!look_again(g, 0.5 * length, found, clock, y)) {
+        if (!look_again(g, length, found)) {
+            if (!look_again(g, 0.5 * length, found)) {
                 return false;
             }
             continue;
         }
-        double missing = missing_to(g, event, rate, *clock, y);
+        double missing = missing_to(g, event, rate, 1.0);
         for (int k = 0;
              k < MOST_MOVES && found->event < 0 && missing > CLOSE * length && missing < 0.1 * length; ++k) {
             length += missing;
-            if (!look_again(g, length, found, clock, y)) {
+            if (!look_again(g, length, found)) {
                 return false;
             }
-            missing = missing_to(g, event, rate, *clock, y);
+            missing = missing_to(g, event, rate, 1.0);
         }
         const bool is_first =
             found->event < 0 || found->part >= 1.0 - CLOSE; /* on the shorter step's polynomial */
         if (is_first && fabs(missing) <= CLOSE * length) {
-            *found = (struct general_event){1.0, event};
-            move_to_event(g, event, rate, clock, y);
+            *found = (struct general_event){part_of_event(g, event, rate, 1.0), event};
             return true;
         }
     }
@@ -1455,11 +1364,14 @@ static void fly_others(const struct general *g, struct scene_state *q, double cl
     }
 }
 
-/* Moves the scene to a clock within the step or at its end, and notes the peaks up to that clock. */
-static void general_move_scene(struct general *g, struct scene_state *q, double clock, const double *y)
+/* Moves the scene along the step to a clock within it or at its end, and notes the peaks up to that clock. */
+static void general_follow(struct general *g, struct scene_state *q, double clock)
 {
+    const struct general_end *end = &g->end;
     const double from = q->clock;
-    ode_unpack(&g->ode, q, y);
+    radau_step_at(&g->step, clock == end->clock ? end->event.part : (clock - g->step.start) / g->step.length,
+                  g->y);
+    ode_unpack(&g->ode, q, g->y);
     fly_others(g, q, clock);
     q->clock = clock;
     flight_restore(q);
@@ -1510,7 +1422,7 @@ bool general_open(struct general **slot, const struct scene_values *v, const str
     const int size = wanted.size;
     const size_t own = (sizeof(struct general) + 15) / 16 * 16;
     const size_t nodes = (node_forces_memory() + 15) / 16 * 16;
-    const size_t rows = 6 * (size_t)size * sizeof(double);
+    const size_t rows = 5 * (size_t)size * sizeof(double);
     const size_t bytes = own + nodes + rows + radau_step_memory(&wanted);
     if (*slot == NULL || (*slot)->bytes < bytes) {
         struct general *made = memory->allocate(1, bytes);
@@ -1530,8 +1442,7 @@ bool general_open(struct general **slot, const struct scene_values *v, const str
     g->end_size = g->size_of + size;
     g->per_impulse = g->end_size + size;
     g->largest_error = g->per_impulse + size;
-    g->end.y = g->largest_error + size;
-    g->steps = g->end.y + size;
+    g->steps = g->largest_error + size;
     g->message = message;
     return true;
 }
@@ -1573,7 +1484,6 @@ static void general_set_events(struct general *g)
 static void general_start(struct general *g, struct scene_state *q)
 {
     general_attach(g, q);
-    forget_release(g);
     g->plan.solvable = (double)INFINITY;
     g->plan.last_length = 0.0;
     g->step.known_length = 0.0;
@@ -1585,9 +1495,8 @@ static void general_start(struct general *g, struct scene_state *q)
     }
 }
 
-/* A step may go on beyond a communication point. The state of motion then stores the step's polynomial, which
- * gives the motion at that point. */
-
+/* Stores the step in the state of motion, because it goes on beyond a communication point: its polynomial
+ * gives the motion at later points. */
 static void general_keep_step(const struct general *g, struct scene_state *q)
 {
     const struct radau_step *p = &g->step;
@@ -1596,11 +1505,11 @@ static void general_keep_step(const struct general *g, struct scene_state *q)
     kept->start = p->start;
     kept->length = p->length;
     kept->end = g->end.clock;
+    kept->end_part = g->end.event.part;
     kept->stages = p->stages->stages;
     kept->pace = (int32_t)p->stages->pace;
     kept->event = g->end.event.event;
     memcpy(kept->at_start, p->y, bytes);
-    memcpy(kept->at_end, g->end.y, bytes);
     memcpy(kept->weight, p->weight, bytes);
     memcpy(kept->peaks, g->peaks, sizeof kept->peaks);
     for (int k = 0; k <= p->stages->stages; ++k) {
@@ -1619,9 +1528,7 @@ static bool general_take_up(struct general *g, struct scene_state *q)
     }
     general_attach(g, q);
     const size_t bytes = (size_t)g->ode.layout.size * sizeof(double);
-    g->end.clock = kept->end;
-    g->end.event = (struct general_event){1.0, kept->event};
-    memcpy(g->end.y, kept->at_end, bytes);
+    g->end = (struct general_end){kept->end, {kept->end_part, kept->event}};
     memcpy(g->step.weight, kept->weight, bytes);
     memcpy(g->peaks, kept->peaks, sizeof g->peaks);
     radau_step_take_over(&g->step, kept->start, kept->length, kept->at_start,
@@ -1630,11 +1537,10 @@ static bool general_take_up(struct general *g, struct scene_state *q)
     return true;
 }
 
-/* Moves the scene along the step to a clock within it. */
-static void general_follow(struct general *g, struct scene_state *q, double clock)
+/* Moves the scene along the step that `q` stores to a clock before its end. */
+static void follow_stored(struct general *g, struct scene_state *q, double clock)
 {
-    radau_step_at(&g->step, (clock - g->step.start) / g->step.length, g->y);
-    general_move_scene(g, q, clock, g->y);
+    general_follow(g, q, clock);
     q->unfinished.present = clock;
     q->integrator_fresh = 0;
 }
@@ -1644,13 +1550,25 @@ void general_follow_kept(struct general *g, struct scene_state *q, double noted,
     q->clock = q->unfinished.present;
     if (general_take_up(g, q)) {
         q->clock = noted;
-        general_follow(g, q, clock);
+        follow_stored(g, q, clock);
     }
+}
+
+/* Ends the advance by an event at the present. */
+static enum advance_result end_by_event(const struct general *g, struct scene_state *q, struct advance *step,
+                                        int event)
+{
+    const enum advance_result result = advance_to_event(step, q, event);
+    if (step->regime == REGIME_APART) {
+        projection_end_contact(&g->ode, q, step->contact, g->relative, g->absolute);
+    }
+    q->contact[step->contact].schedule.dead_band_clock = q->clock * (1.0 + 16.0 * DBL_EPSILON);
+    return result;
 }
 
 /* Makes a step up to its end or its first event. Where no step can be made to end at the event, a step of
  * half that length is made first. The length is halved until the event is within rounding of the clock. */
-static enum advance_result make_step(struct general *g, const struct scene_state *q, struct advance *step)
+static enum advance_result make_step(struct general *g, struct scene_state *q, struct advance *step)
 {
     struct general_end *end = &g->end;
     const double left = step->clock_end - q->clock;
@@ -1676,42 +1594,35 @@ static enum advance_result make_step(struct general *g, const struct scene_state
         }
         g->plan.longest = fmax(g->plan.longest, known);
         end->event = first;
-        end->clock = g->step.length == left ? step->clock_end : q->clock + g->step.length;
-        if (first.event < 0) {
-            radau_step_at(&g->step, 1.0, end->y);
+        if (locate_event(g, &end->event)) {
+            end->event.part = end->event.event < 0 ? 1.0 : end->event.part;
+            end->clock = end->event.event < 0 && g->step.length == left
+                             ? step->clock_end
+                             : q->clock + end->event.part * g->step.length;
             return ADVANCE_REACHED;
         }
-        if (general_end_at(g, &end->event, &end->clock, end->y)) {
-            return ADVANCE_REACHED;
-        }
-        ode_pack(&g->ode, end->y);
-        general_begin(g, q->clock, end->y);
+        ode_pack(&g->ode, g->y);
+        general_begin(g, q->clock, g->y);
         if (!(q->clock + 0.5 * until > q->clock)) {
-            end->event = first;
-            end->clock = q->clock;
-            return ADVANCE_REACHED;
+            return end_by_event(g, q, step, first.event);
         }
         longest = 0.5 * until;
         step->budget += 1; /* this step is not counted: the length is halved fifty times at most */
     }
 }
 
-/* Moves the scene to the end of the step and, where an event ends it, sets the event and its regime. */
+/* Moves the scene to the end of the step. Where no event ends it, the next step begins there. */
 static enum advance_result end_step(struct general *g, struct scene_state *q, struct advance *step)
 {
     const struct general_end *end = &g->end;
-    general_move_scene(g, q, end->clock, end->y);
+    general_follow(g, q, end->clock);
     if (end->event.event >= 0) {
-        const enum advance_result result = advance_to_event(step, q, end->event.event);
-        if (step->regime == REGIME_APART) {
-            projection_end_contact(&g->ode, q, step->contact, g->relative, g->absolute);
-        }
-        q->contact[step->contact].schedule.dead_band_clock = q->clock * (1.0 + 16.0 * DBL_EPSILON);
-        return result;
+        return end_by_event(g, q, step, end->event.event);
     }
     if (q->clock < step->clock_end) {
-        end->y[g->ode.layout.dissipated + 1] = q->external_work; /* with that of fly_others */
-        general_begin(g, q->clock, end->y);
+        radau_step_at(&g->step, end->event.part, g->y);
+        g->y[g->ode.layout.dissipated + 1] = q->external_work; /* with that of fly_others */
+        general_begin(g, q->clock, g->y);
     }
     return ADVANCE_REACHED;
 }
@@ -1728,8 +1639,8 @@ static enum advance_result make_steps(struct general *g, struct scene_state *q, 
         counter_add(&q->counters.steps, 1);
         general_set_peaks(g);
         if (g->end.clock > step->clock_end) {
-            general_keep_step(g, q);
             general_follow(g, q, step->clock_end);
+            general_keep_step(g, q);
             return ADVANCE_REACHED;
         }
         result = end_step(g, q, step);
@@ -1749,7 +1660,7 @@ CONTACT_NOINLINE enum advance_result general_advance(struct general *g, struct s
     g->rejected = 0;
     if (general_take_up(g, q)) {
         if (g->end.clock > step->clock_end) {
-            general_follow(g, q, step->clock_end);
+            follow_stored(g, q, step->clock_end);
             return ADVANCE_REACHED;
         }
         general_set_events(g); /* the last call has stored a step, which ends here */

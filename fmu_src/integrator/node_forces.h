@@ -25,8 +25,7 @@ struct general_event {
 /* The end of the last step. */
 struct general_end {
     double clock;
-    struct general_event event; /* the event that ends the step */
-    double *y;                  /* [size] */
+    struct general_event event; /* the event that ends the step, and the part of the step there */
 };
 
 /* The largest of the contacts of an island that transmit forces, at the start of a step. */
@@ -51,7 +50,6 @@ struct general {
     double error_within;     /* largest error within the last step, divided by the error allowed */
     double error_at_end;     /* error at the end of the last step, divided by the error allowed */
     bool error_is_noise;     /* whether rounding decides error_at_end */
-    double error_of_start;   /* error by decay before the first stage, divided by the error allowed */
     struct vec3 slip[SCENE_CONTACTS][OPPOSED]; /* the last sample of the slips in the step [m/s, rad/s] */
     double bend;         /* part of the step at which friction bends first and matters; INFINITY: nowhere */
     double within_share; /* factor of error_within when it is compared with error_at_end */

@@ -42,7 +42,6 @@ enum radau_pace { RADAU_EVEN, RADAU_FROM_TOUCH, RADAU_TO_RELEASE, RADAU_PACES };
 struct radau_stages {
     int stages;
     enum radau_pace pace;
-    double start_pace; /* d tau/d sigma at the start */
     /* `node` holds the times tau of the stages, `place` their sigma */
     const double *node, *integral, *inverse, *once, *twice, *place, *chebyshev, *bernstein;
 };

@@ -458,43 +458,6 @@ void radau_step_guess_on(struct radau_step *p, const struct radau_stages *stages
     radau_move_places(p);
 }
 
-/* The slopes that the polynomial should have at the start, by its place, less those it has, of the states
- * left. */
-static void put_start_defect(struct radau_step *p)
-{
-    const int s = p->stages->stages;
-    for (int i = 0; i < p->others; ++i) {
-        const int j = p->other[i];
-        double slope = 0.0; /* T_k' = -(-1)^k k^2 at the start, and the step has length two */
-        for (int k = 1; k <= s; ++k) {
-            slope += (k % 2 == 0 ? -2.0 : 2.0) * k * k * p->chebyshev[k * p->stride + j];
-        }
-        p->side[i] = p->stages->start_pace * p->length * p->start_rates[j] - slope;
-    }
-    p->side[p->others] = 0.0;
-}
-
-/* Factors I - h J of the others. If `follows`, J has their effect through the places too, which follow the
- * speeds. */
-static bool factor_dying(struct radau_step *p, struct lu_matrix system, const double *slopes, bool follows)
-{
-    const int coupled = p->problem.coupled;
-    for (int column = 0; column < p->others; ++column) {
-        double *to = system.re + column * system.stride;
-        for (int i = 0; i < p->others; ++i) {
-            to[i] = (i == column ? 1.0 : 0.0) - p->length * slopes[p->other[column] * coupled + p->other[i]];
-        }
-        to[p->others] = 0.0;
-    }
-    for (int k = 0; k < p->problem.paired && follows; ++k) {
-        double *to = system.re + p->among[p->problem.speed[k]] * system.stride;
-        for (int i = 0; i < p->others; ++i) {
-            to[i] -= p->length * p->length * slopes[p->problem.place[k] * coupled + p->other[i]];
-        }
-    }
-    return lu_factor(system);
-}
-
 void radau_step_stage(const struct radau_step *p, int stage, double *y)
 {
     const struct radau_problem *problem = &p->problem;
@@ -508,35 +471,10 @@ void radau_step_stage(const struct radau_step *p, int stage, double *y)
     }
 }
 
-/* A part with the rate lambda decays by 1 - 1/(1 + h lambda) of the defect, and leaves an error of 1/(1 + h
- * lambda) of that. */
-double radau_step_start_error(struct radau_step *p)
+void radau_step_end_slopes(struct radau_step *p)
 {
-    const int m = p->others;
-    const struct lu_matrix system = lu_part(p->all, 0, m);
-    put_start_defect(p);
-    if (!factor_dying(p, system, p->slopes, false)) {
-        return (double)INFINITY;
-    }
-    memcpy(p->point, p->side, (size_t)m * sizeof *p->side);
-    lu_solve(system, p->side);
-    for (int i = 0; i < m; ++i) {
-        p->side[i] = p->point[i] - p->side[i];
-    }
-    lu_solve(system, p->side);
-    radau_step_at(p, 1.0, p->point);
-    p->problem.slopes(p->problem.context, p->problem.coupled, p->start + p->length, p->point, p->end_slopes);
-    p->evaluations += 1;
+    radau_step_at(p, 1.0, p->end_y);
     p->end_clock = p->start + p->length;
-    memcpy(p->end_y, p->point, (size_t)p->problem.coupled * sizeof *p->point);
-    if (!factor_dying(p, system, p->end_slopes, true)) {
-        return (double)INFINITY;
-    }
-    lu_solve(system, p->side);
-    double largest = 0.0;
-    for (int i = 0; i < m; ++i) {
-        const double size = fabs(p->side[i]) * p->weight[p->other[i]];
-        largest = size <= largest ? largest : size;
-    }
-    return largest;
+    p->problem.slopes(p->problem.context, p->problem.coupled, p->end_clock, p->end_y, p->end_slopes);
+    p->evaluations += 1;
 }

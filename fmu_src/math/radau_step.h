@@ -103,10 +103,8 @@ bool radau_step_goes_on(const struct radau_step *p);
 /* Writes the coupled states at a stage by the last iteration, and leaves the other entries of y alone. */
 void radau_step_stage(const struct radau_step *p, int stage, double *y);
 
-/* Error at the end, by the weights, due to motion that dies away before the first stage. To be called after
- * radau_step_finish. The error is nothing where such motion still dies away at the end, because the states
- * forget it. */
-double radau_step_start_error(struct radau_step *p);
+/* Evaluates end_slopes. To be called after radau_step_finish. */
+void radau_step_end_slopes(struct radau_step *p);
 
 /* Takes over a step as the last solution: its Chebyshev coefficients [stages + 1][size] in rows of `stride`
  * numbers. */

@@ -265,12 +265,11 @@ static bool unfinished_is_sound(const struct scene_state *q, bool initialized)
                            step->pace >= 0 && step->pace < RADAU_PACES &&
                            (step->pace == RADAU_EVEN || step->stages == RADAU_MOST_STAGES);
     const struct step_plan *plan = &q->plan;
-    const bool is_plan = plan->longest >= 0.0 && plan->last_length >= 0.0 && plan->last_error >= 0.0 &&
-                         plan->solvable > 0.0 && plan->release_clock > 0.0 && plan->release_rest >= 0.0 &&
-                         plan->steps_to_release >= 0;
+    const bool is_plan =
+        plan->longest >= 0.0 && plan->last_length >= 0.0 && plan->last_error >= 0.0 && plan->solvable > 0.0;
     const bool is_step = is_method && is_plan && step->event >= -1 && step->event < ODE_EVENTS &&
                          step->length > 0.0 && step->start <= step->present && step->present <= q->clock &&
-                         step->end >= q->clock;
+                         step->end >= q->clock && step->end_part >= 0.0 && step->end_part <= 2.0;
     return !SCENE_ANY_FREE || !initialized || q->integrator_fresh == 1 || !scene_keeps_steps(q->v) ||
            (is_step && all_finite(step, &step->stages));
 }

@@ -159,9 +159,9 @@ enum {
 struct unfinished_step {
     double start, length; /* the clock at the start of the step, and its length [s] */
     double end;           /* the clock of the event that ends the step early, or of its end [s] */
+    double end_part;      /* the part of the step's length at the clock `end` */
     double present;       /* the clock up to which the motion has followed the step [s] */
     double at_start[UNFINISHED_STATES];
-    double at_end[UNFINISHED_STATES];                           /* at the clock `end` */
     double weight[UNFINISHED_STATES];                           /* 1 divided by the error allowed */
     double chebyshev[RADAU_MOST_STAGES + 1][UNFINISHED_STATES]; /* as in struct radau_step */
     double peaks[SCENE_CONTACTS][2][RADAU_MOST_STAGES + 1];     /* as in struct general */
@@ -175,10 +175,6 @@ struct step_plan {
     double longest; /* estimate of the longest accurate step of twelve stages [s]; 0: none yet */
     double last_length, last_error; /* of the last accepted step of this phase; a length of 0: none yet */
     double solvable;                /* estimate of the longest step that is solved where bodies rub [s] */
-    double release_clock;           /* when a contact under Hertz's law ends; INFINITY: not known */
-    double release_rest;            /* what a step to that release leaves for the steps after it [s] */
-    int32_t steps_to_release;       /* number of steps made to that release */
-    int32_t unused;                 /* in place of padding */
 };
 
 struct solver_counters {
