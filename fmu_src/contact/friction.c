@@ -1,3 +1,5 @@
+#include <string.h>
+
 #include "contact/friction.h"
 
 #include "math/compiler.h"
@@ -18,14 +20,12 @@ static struct direction direction_of(struct vec3 a)
                               length > 0.0 ? vec3_make(a.x / length, a.y / length, a.z / length) : zero};
 }
 
-/* Sets m = along u u^T + across (I - u u^T). */
-static void set_axial(double m[3][3], struct vec3 u, double along, double across)
+/* Sets the rows of along u u^T + across (I - u u^T). */
+static void set_axial(struct vec3 row[3], struct vec3 u, double along, double across)
 {
-    const double unit[3] = {u.x, u.y, u.z};
     for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 3; ++j) {
-            m[i][j] = (along - across) * unit[i] * unit[j] + (i == j ? across : 0.0);
-        }
+        row[i] = vec3_scale((along - across) * vec3_get(u, i), u);
+        *vec3_part(&row[i], i) += across;
     }
 }
 
@@ -70,9 +70,7 @@ double friction_limit(const struct friction_law *law, enum friction_regime regim
 {
     switch (regime) {
     case FRICTION_STICKING:
-        return law->kind == FRICTION_REGULARIZED
-                   ? law->largest
-                   : fmin(law->static_coefficient * fmax(normal_force, 0.0), law->largest);
+        return fmin(law->static_coefficient * fmax(normal_force, 0.0), law->largest);
     case FRICTION_SLIDING:
         return law->coefficient * normal_force;
     case FRICTION_CAPPED:
@@ -122,57 +120,45 @@ enum friction_regime friction_onset_regime(const struct friction_law *law, struc
     return begins_loaded ? friction_sliding_regime(law, at.normal_force) : FRICTION_SLIDING;
 }
 
-/* Returns (1 - exp(-z)) / z. */
-static double saturation(double z)
+/* F_t = -f(|w|, L) w / |w|, where w is the slip of regularized friction and F* of elastic friction. F_t changes
+ * by -`across` times a change of w across w, by -`along` times one along w, and by -`by_limit` w / |w| times
+ * one of L. */
+struct radial_force {
+    struct vec3 force, unit;        /* F_t [N] and w / |w| [1] */
+    double across, along, by_limit; /* f / |w|, df/d|w|, df/dL */
+    double by_slip, by_spring;      /* the changes of w with the slip and with the spring */
+};
+
+static struct radial_force radial_force_of(const struct friction_law *law, enum friction_regime regime,
+                                           struct friction_state at)
 {
-    return z > 0.0 ? -expm1(-z) / z : 1.0;
+    const double limit = friction_limit(law, regime, at.normal_force);
+    if (law->kind == FRICTION_NONE || regime == FRICTION_LIFTED) {
+        return (struct radial_force){.across = 0.0};
+    }
+    if (law->kind == FRICTION_REGULARIZED) {
+        const struct direction v = direction_of(at.slip);
+        const double v_0 = law->slip_velocity;
+        const double part = -expm1(-v.length / v_0);
+        const double across = v.length > 0.0 ? limit * part / v.length : limit / v_0;
+        return (struct radial_force){
+            vec3_scale(-limit * part, v.unit), v.unit, across, limit * (1.0 - part) / v_0, part, 1.0, 0.0};
+    }
+    const double stiffness = stiffness_at(law, at);
+    const struct vec3 pull = carried(law, at);
+    const struct direction f = direction_of(pull);
+    if (regime == FRICTION_STICKING) {
+        return (struct radial_force){vec3_scale(-1.0, pull), f.unit, 1.0, 1.0, 0.0, law->damping, stiffness};
+    }
+    const double across = f.length > 0.0 ? limit / f.length : 0.0;
+    return (struct radial_force){
+        vec3_scale(-limit, f.unit), f.unit, across, 0.0, 1.0, law->damping, stiffness};
 }
 
 struct vec3 friction_force(const struct friction_law *law, enum friction_regime regime,
                            struct friction_state at)
 {
-    const double limit = friction_limit(law, regime, at.normal_force);
-    if (law->kind == FRICTION_REGULARIZED) {
-        const double z = regime == FRICTION_STICKING ? 0.0 : vec3_norm(at.slip) / law->slip_velocity;
-        return vec3_scale(-limit * saturation(z) / law->slip_velocity, at.slip);
-    }
-    if (law->kind == FRICTION_NONE || regime == FRICTION_LIFTED) {
-        return vec3_make(0.0, 0.0, 0.0);
-    }
-    const struct vec3 force = carried(law, at);
-    return regime == FRICTION_STICKING ? vec3_scale(-1.0, force)
-                                       : vec3_scale(-limit, direction_of(force).unit);
-}
-
-/* Returns the derivatives of F_t by v_t, xi and F_n. */
-CONTACT_NOT_FUSED static struct friction_response
-friction_force_slopes(const struct friction_law *law, enum friction_regime regime, struct friction_state at)
-{
-    struct friction_response slopes = {.by_slip = {{0.0}}};
-    const double limit = friction_limit(law, regime, at.normal_force);
-    if (law->kind == FRICTION_NONE || regime == FRICTION_LIFTED) {
-        return slopes;
-    }
-    if (law->kind == FRICTION_REGULARIZED) {
-        const struct direction v = direction_of(at.slip);
-        const double z = regime == FRICTION_STICKING ? 0.0 : v.length / law->slip_velocity;
-        const double across = -limit * saturation(z) / law->slip_velocity;
-        slopes.by_normal_force = vec3_scale(limit_slope(law, regime) * expm1(-z), v.unit);
-        set_axial(slopes.by_slip, v.unit, -limit * exp(-z) / law->slip_velocity, across);
-        return slopes;
-    }
-    const double stiffness = stiffness_at(law, at);
-    if (regime == FRICTION_STICKING) {
-        set_axial(slopes.by_slip, at.slip, -law->damping, -law->damping);
-        set_axial(slopes.by_spring, at.slip, -stiffness, -stiffness);
-        return slopes;
-    }
-    const struct direction f = direction_of(carried(law, at));
-    const double across = f.length > 0.0 ? -limit / f.length : 0.0;
-    slopes.by_normal_force = vec3_scale(-limit_slope(law, regime), f.unit);
-    set_axial(slopes.by_slip, f.unit, 0.0, across * law->damping);
-    set_axial(slopes.by_spring, f.unit, 0.0, across * stiffness);
-    return slopes;
+    return radial_force_of(law, regime, at).force;
 }
 
 struct vec3 opposed_turned(enum opposed part, struct vec3 spring, struct vec3 normal, struct vec3 normal_rate)
@@ -232,51 +218,36 @@ bool friction_rolls(const struct friction_law *law, enum friction_regime regime,
 
 struct friction_missed friction_missed(const struct friction_law *law, enum friction_regime regime,
                                        struct friction_state at, struct vec3 *force, bool rolls,
-                                       double admittance)
+                                       double admittance, struct friction_slopes *slopes)
 {
     const double limit = friction_limit(law, regime, at.normal_force);
     if (!(rolls && limit > 0.0)) {
-        const struct vec3 more = vec3_sub(*force, friction_force(law, regime, at));
-        return (struct friction_missed){vec3_scale(admittance, more), 0.0};
-    }
-    double part = vec3_norm(*force) / limit;
-    if (part > LARGEST_PART) {
-        *force = vec3_scale(LARGEST_PART / part, *force);
-        part = LARGEST_PART;
-    }
-    const double across = part > 0.0 ? -log1p(-part) / part : 1.0;
-    const double v_0 = law->slip_velocity;
-    return (struct friction_missed){vec3_axpy(at.slip, v_0 / limit * across, *force),
-                                    v_0 / (limit * (1.0 - part))};
-}
-
-struct friction_response friction_response_of(const struct friction_law *law, enum friction_regime regime,
-                                              struct friction_state at, struct vec3 force, bool rolls,
-                                              double admittance)
-{
-    struct friction_response response = {.by_slip = {{0.0}}};
-    const double limit = friction_limit(law, regime, at.normal_force);
-    if (rolls && limit > 0.0) {
-        const struct direction f = direction_of(force);
-        const double part = f.length / limit;
-        const double by_force = law->slip_velocity / limit;
-        const double across = part > 0.0 ? -log1p(-part) / part : 1.0;
-        set_axial(response.by_force, f.unit, by_force / (1.0 - part), by_force * across);
-        set_axial(response.by_slip, f.unit, 1.0, 1.0);
-        response.by_normal_force =
-            vec3_scale(-limit_slope(law, regime) * by_force * part / (1.0 - part), f.unit);
-        return response;
-    }
-    response = friction_force_slopes(law, regime, at);
-    response.by_normal_force = vec3_scale(-admittance, response.by_normal_force);
-    for (int i = 0; i < 3; ++i) {
-        response.by_force[i][i] = admittance;
-        for (int j = 0; j < 3; ++j) {
-            response.by_slip[i][j] *= -admittance;
-            response.by_spring[i][j] *= -admittance;
+        const struct radial_force by = radial_force_of(law, regime, at);
+        if (slopes) {
+            const double slip = admittance * by.by_slip;
+            const double spring = admittance * by.by_spring;
+            set_axial(slopes->by_force, by.unit, admittance, admittance);
+            set_axial(slopes->by_slip, by.unit, slip * by.along, slip * by.across);
+            set_axial(slopes->by_spring, by.unit, spring * by.along, spring * by.across);
+            slopes->by_normal_force =
+                vec3_scale(admittance * limit_slope(law, regime) * by.by_limit, by.unit);
         }
+        return (struct friction_missed){vec3_scale(admittance, vec3_sub(*force, by.force)), 0.0};
     }
-    return response;
+    const double whole = vec3_norm(*force) / limit;
+    const double part = fmin(whole, LARGEST_PART);
+    *force = whole > LARGEST_PART ? vec3_scale(LARGEST_PART / whole, *force) : *force;
+    const double per_force = law->slip_velocity / limit;
+    const double across = part > 0.0 ? -log1p(-part) / part * per_force : per_force;
+    const double steepness = per_force / (1.0 - part);
+    if (slopes) {
+        const struct vec3 unit = direction_of(*force).unit;
+        memset(slopes, 0, sizeof *slopes);
+        set_axial(slopes->by_force, unit, steepness, across);
+        set_axial(slopes->by_slip, unit, 1.0, 1.0);
+        slopes->by_normal_force = vec3_scale(-limit_slope(law, regime) * steepness * part, unit);
+    }
+    return (struct friction_missed){vec3_axpy(at.slip, across, *force), steepness};
 }
 
 struct friction_spring_drive friction_spring_drive_of(const struct friction_law *law,
@@ -303,13 +274,17 @@ struct friction_spring_drive friction_spring_drive_of(const struct friction_law 
     return drive;
 }
 
+struct vec3 friction_driven(const struct friction_spring_drive *drive, struct vec3 z)
+{
+    const double along = (drive->along - drive->across) * vec3_dot(drive->unit, z);
+    return vec3_axpy(vec3_scale(drive->across, z), along, drive->unit);
+}
+
 struct vec3 friction_spring_rate(const struct friction_law *law, enum friction_regime regime,
                                  struct friction_state at, struct vec3 force)
 {
     const struct friction_spring_drive drive = friction_spring_drive_of(law, regime, at);
-    const struct vec3 z = drive.is_force ? force : at.slip;
-    const double along = (drive.along - drive.across) * vec3_dot(drive.unit, z);
-    const struct vec3 rate = vec3_axpy(vec3_scale(drive.across, z), along, drive.unit);
+    const struct vec3 rate = friction_driven(&drive, drive.is_force ? force : at.slip);
     return drive.is_force ? vec3_axpy(rate, -drive.decay, at.spring) : rate;
 }
 
@@ -356,9 +331,4 @@ double friction_cap_event(const struct friction_law *law, enum friction_regime r
         return 1.0;
     }
     return regime == FRICTION_SLIDING ? room : -room;
-}
-
-double friction_lift_event(enum friction_regime regime, double push)
-{
-    return regime == FRICTION_LIFTED ? -push : push;
 }
