@@ -45,15 +45,10 @@ double friction_stiffening(const struct friction_law *law, double depth)
     return follows_depth(law) && depth > FRICTION_LEAST_DEPTH ? 0.5 / depth : 0.0;
 }
 
-static double stiffness_at(const struct friction_law *law, struct friction_state at)
-{
-    return friction_stiffness(law, at.depth);
-}
-
 /* Returns F* [N]. */
 static struct vec3 carried(const struct friction_law *law, struct friction_state at)
 {
-    return vec3_axpy(vec3_scale(stiffness_at(law, at), at.spring), law->damping, at.slip);
+    return vec3_axpy(vec3_scale(friction_stiffness(law, at.depth), at.spring), law->damping, at.slip);
 }
 
 static bool slides(enum friction_regime regime)
@@ -61,24 +56,12 @@ static bool slides(enum friction_regime regime)
     return regime == FRICTION_SLIDING || regime == FRICTION_CAPPED;
 }
 
-static bool has_dashpot(const struct friction_law *law)
-{
-    return law->damping > 0.0;
-}
-
 double friction_limit(const struct friction_law *law, enum friction_regime regime, double normal_force)
 {
-    switch (regime) {
-    case FRICTION_STICKING:
-        return fmin(law->static_coefficient * fmax(normal_force, 0.0), law->largest);
-    case FRICTION_SLIDING:
-        return law->coefficient * normal_force;
-    case FRICTION_CAPPED:
-        return law->largest;
-    case FRICTION_LIFTED:
-    default:
-        return 0.0;
-    }
+    return regime == FRICTION_STICKING ? fmin(law->static_coefficient * fmax(normal_force, 0.0), law->largest)
+           : regime == FRICTION_SLIDING ? law->coefficient * normal_force
+           : regime == FRICTION_CAPPED  ? law->largest
+                                        : 0.0;
 }
 
 /* Returns dL/dF_n [1] of a sliding contact. */
@@ -110,19 +93,19 @@ enum friction_regime friction_onset_regime(const struct friction_law *law, struc
     const double limit = friction_limit(law, FRICTION_STICKING, at.normal_force);
     const bool touches = at.depth_rate >= 0.0; /* otherwise F_n grows again during a rebound */
     const double power = follows_depth(law) && touches ? ONSET_POWER : 1.0;
-    const bool holds = begins_loaded
-                           ? law->damping * speed < limit
-                           : law->damping * speed == 0.0 && power * stiffness_at(law, at) * speed <=
-                                                                law->static_coefficient * normal_force_rate;
+    const bool holds =
+        begins_loaded ? law->damping * speed < limit
+                      : law->damping * speed == 0.0 && power * friction_stiffness(law, at.depth) * speed <=
+                                                           law->static_coefficient * normal_force_rate;
     if (law->kind == FRICTION_ELASTIC && holds && law->static_coefficient > 0.0) {
         return FRICTION_STICKING;
     }
     return begins_loaded ? friction_sliding_regime(law, at.normal_force) : FRICTION_SLIDING;
 }
 
-/* F_t = -f(|w|, L) w / |w|, where w is the slip of regularized friction and F* of elastic friction. F_t changes
- * by -`across` times a change of w across w, by -`along` times one along w, and by -`by_limit` w / |w| times
- * one of L. */
+/* F_t = -f(|w|, L) w / |w|, where w is the slip of regularized friction and F* of elastic friction. A change
+ * of w changes F_t by -`across` times its part across w and by -`along` times its part along w; a change of L
+ * changes F_t by -`by_limit` w / |w| times itself. */
 struct radial_force {
     struct vec3 force, unit;        /* F_t [N] and w / |w| [1] */
     double across, along, by_limit; /* f / |w|, df/d|w|, df/dL */
@@ -144,7 +127,7 @@ static struct radial_force radial_force_of(const struct friction_law *law, enum 
         return (struct radial_force){
             vec3_scale(-limit * part, v.unit), v.unit, across, limit * (1.0 - part) / v_0, part, 1.0, 0.0};
     }
-    const double stiffness = stiffness_at(law, at);
+    const double stiffness = friction_stiffness(law, at.depth);
     const struct vec3 pull = carried(law, at);
     const struct direction f = direction_of(pull);
     if (regime == FRICTION_STICKING) {
@@ -177,7 +160,7 @@ struct vec3 opposed_laid(enum opposed part, struct vec3 spring, struct vec3 norm
  * times the part of the slip across xi, and keeps the length |xi|. */
 static double turning_factor(const struct friction_law *law, struct friction_state at, double limit)
 {
-    const double reach = stiffness_at(law, at) * vec3_norm(at.spring);
+    const double reach = friction_stiffness(law, at.depth) * vec3_norm(at.spring);
     const double floor = FRICTION_LEAST_LENGTH * reach;
     const double square = limit * limit + floor * floor;
     return square > 0.0 ? reach * limit / square : 0.0;
@@ -185,7 +168,7 @@ static double turning_factor(const struct friction_law *law, struct friction_sta
 
 bool friction_has_spring(const struct friction_law *law, enum friction_regime regime)
 {
-    return law->kind == FRICTION_ELASTIC && (regime != FRICTION_LIFTED || has_dashpot(law));
+    return law->kind == FRICTION_ELASTIC && (regime != FRICTION_LIFTED || law->damping > 0.0);
 }
 
 struct vec3 friction_spring(const struct friction_law *law, enum friction_regime regime,
@@ -194,10 +177,10 @@ struct vec3 friction_spring(const struct friction_law *law, enum friction_regime
     if (!friction_has_spring(law, regime)) {
         return vec3_make(0.0, 0.0, 0.0);
     }
-    if (!slides(regime) || has_dashpot(law)) {
+    if (!slides(regime) || law->damping > 0.0) {
         return at.spring;
     }
-    const double length = friction_limit(law, regime, at.normal_force) / stiffness_at(law, at);
+    const double length = friction_limit(law, regime, at.normal_force) / friction_stiffness(law, at.depth);
     return vec3_scale(length, direction_of(at.spring).unit);
 }
 
@@ -259,9 +242,9 @@ struct friction_spring_drive friction_spring_drive_of(const struct friction_law 
     }
     if (regime == FRICTION_STICKING) {
         drive.along = drive.across = 1.0;
-    } else if (has_dashpot(law)) {
+    } else if (law->damping > 0.0) {
         drive.is_force = true;
-        drive.decay = stiffness_at(law, at) / law->damping;
+        drive.decay = friction_stiffness(law, at.depth) / law->damping;
         drive.along = drive.across = -1.0 / law->damping;
     } else {
         const struct direction xi = direction_of(at.spring);
@@ -290,7 +273,7 @@ struct vec3 friction_spring_rate(const struct friction_law *law, enum friction_r
 
 bool friction_compares_forces(const struct friction_law *law, enum friction_regime regime)
 {
-    return regime == FRICTION_STICKING || has_dashpot(law);
+    return regime == FRICTION_STICKING || law->damping > 0.0;
 }
 
 /* Returns (L / k_t)', the rate of the length of a sliding spring without a dashpot [m/s]. At the touch
@@ -300,7 +283,7 @@ static double length_rate(const struct friction_law *law, struct friction_state 
 {
     const double stiffening = friction_stiffening(law, at.depth);
     const double power = follows_depth(law) && stiffening == 0.0 ? ONSET_POWER : 1.0;
-    return (limit_rate / power - limit * stiffening * at.depth_rate) / stiffness_at(law, at);
+    return (limit_rate / power - limit * stiffening * at.depth_rate) / friction_stiffness(law, at.depth);
 }
 
 double friction_stick_event(const struct friction_law *law, enum friction_regime regime,
@@ -317,7 +300,7 @@ double friction_stick_event(const struct friction_law *law, enum friction_regime
     if (law->coefficient == 0.0 || (limit == 0.0 && normal_force_rate == 0.0)) {
         return 1.0; /* with mu = 0, or with a normal force that stays zero, sliding never ends */
     }
-    if (has_dashpot(law)) {
+    if (law->damping > 0.0) {
         return f.length - limit;
     }
     const double limit_rate = limit_slope(law, regime) * normal_force_rate;

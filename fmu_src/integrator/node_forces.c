@@ -16,8 +16,8 @@ enum { LOADS = OPPOSED > 1 ? 2 : 1, ROWS = 3, ROWS_WITHOUT_FRICTION = 1, MOST_RO
 /* Without friction there is room for so many unknowns at twelve stages, and for all three at eight. */
 enum { ROWS_WHERE_IT_SWINGS = 2 };
 
-/* How the responses of a contact change with a torque on one of its bodies, divided by the 1/I_1 of the body,
- * which changes the motion and the place of the source, and the drives of springs. */
+/* How the responses of a contact change with a torque on one of its bodies, divided by 1/I_1 of the body. The
+ * torque changes the motion, the place X, and the drives of springs. */
 struct turned_rows {
     struct vec3 by_motion[MOST_ROWS], by_place[ROWS], by_drive[OPPOSED][ROWS];
 };
@@ -55,11 +55,6 @@ struct node_spring {
     double filter[RADAU_MOST_STAGES * RADAU_MOST_STAGES], weight[RADAU_MOST_STAGES * RADAU_MOST_STAGES];
 };
 
-/* How easily a body moves: 1/m [1/kg] and 1/I_1 [1/(kg m^2)]. Both are zero for a body that is not free. */
-struct mobility {
-    double by_mass, by_inertia;
-};
-
 /* The symmetric matrix, by rows, that gives the angular velocity of a body from its L/I_1. */
 struct rotation_by_spin {
     struct vec3 row[3];
@@ -70,11 +65,18 @@ static inline struct vec3 rotated_by(const struct rotation_by_spin *m, struct ve
     return vec3_make(vec3_dot(m->row[0], spin), vec3_dot(m->row[1], spin), vec3_dot(m->row[2], spin));
 }
 
-/* A contact that transmits forces. `body`, `speed` and `spin` are its bodies, source first, and the indices
- * of their velocities and spins among the states that are no positions; -1 stands where a body has none. */
+/* A body: the indices of its velocity and spin among the states that are no positions, where -1 stands for
+ * none; 1/m [1/kg] and 1/I_1 [1/(kg m^2)], which are zero for a body that is not free. */
+struct node_body {
+    int speed, spin;
+    double by_mass, by_inertia;
+    struct rotation_by_spin rotation[RADAU_MOST_STAGES];
+};
+
+/* A contact that transmits forces. */
 struct node_contact {
     int contact;
-    int body[2], speed[2], spin[2];
+    int body[2];  /* source and destination */
     int rows;     /* number of its unknowns at a stage */
     int loads;    /* number of its loads */
     bool rubs;    /* whether it has friction */
@@ -83,6 +85,9 @@ struct node_contact {
     int first;    /* sum of the rows of the contacts before it */
     double side;  /* +1: the source is outside the destination, -1: inside */
     struct turning_laws laws;
+    /* of each load: the scale of its response [m/(N s), rad/(N m s)], and whether it moves a body */
+    double admittance[2];
+    bool is_felt[2];
 };
 
 /* The source gets the force of a contact, the destination the opposite one. */
@@ -100,11 +105,8 @@ struct iteration {
     struct node_contact contact[SCENE_CONTACTS];
     struct node node[RADAU_MOST_STAGES][SCENE_CONTACTS];
     struct normals normals[SCENE_CONTACTS];
-    /* scales of the responses by forces [m/(N s)] and by torques [rad/(N m s)] */
-    double admittance[SCENE_CONTACTS][2];
     struct node_spring spring[1 + SCENE_ANY_SPRINGS * (SCENE_CONTACTS - 1)][OPPOSED];
-    struct mobility mobility[SCENE_BODIES];
-    struct rotation_by_spin rotation[RADAU_MOST_STAGES][SCENE_BODIES];
+    struct node_body body[SCENE_BODIES];
     bool has_springs; /* whether a contact has springs */
     bool stale;       /* whether the slopes of a contact that rolls have changed by more than STALE */
     int factorizations;
@@ -150,22 +152,23 @@ static struct rotation_by_spin rotation_of(const struct scene_values *v, int bod
 
 static inline bool moves(const struct iteration *it, int body)
 {
-    return it->mobility[body].by_mass > 0.0 || it->mobility[body].by_inertia > 0.0;
+    return it->body[body].by_mass > 0.0 || it->body[body].by_inertia > 0.0;
 }
 
 static void prepare_bodies(struct iteration *it)
 {
     const struct scene_values *v = it->g->ode.values;
-    it->has_springs = false;
+    const struct ode_layout *layout = &it->g->ode.layout;
+    const int *among = it->g->step.among;
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        struct mobility *to = &it->mobility[i];
-        *to = (struct mobility){.by_mass = body_inverse_mass(v, i)};
-        if (body_turns_freely(v, i)) {
-            to->by_inertia = 1.0 / body_inertia_of(v, i).x;
-            it->rotation[0][i] = rotation_of(v, i, it->g->state->turning.body[i].orientation);
-            for (int stage = 1; stage < RADAU_MOST_STAGES; ++stage) {
-                it->rotation[stage][i] = it->rotation[0][i];
-            }
+        struct node_body *to = &it->body[i];
+        to->speed = layout->body[i] >= 0 ? among[layout->body[i] + 3] : -1;
+        to->spin = layout->spin[i] >= 0 ? among[layout->spin[i]] : -1;
+        to->by_mass = body_inverse_mass(v, i);
+        to->by_inertia = body_turns_freely(v, i) ? 1.0 / body_inertia_of(v, i).x : 0.0;
+        for (int stage = 0; to->by_inertia > 0.0 && stage < RADAU_MOST_STAGES; ++stage) {
+            to->rotation[stage] =
+                stage > 0 ? to->rotation[0] : rotation_of(v, i, it->g->state->turning.body[i].orientation);
         }
     }
 }
@@ -210,8 +213,12 @@ static int rows_of(const struct general *g, int contact, double length)
 static void note_node_contact(struct iteration *it, int contact, double length)
 {
     const struct scene_values *v = it->g->ode.values;
+    const int bodies[2] = {contact_source(contact), contact_destination(contact)};
+    const double by_inertia = it->body[bodies[0]].by_inertia + it->body[bodies[1]].by_inertia;
+    const double square = contact_source_radius(v, contact) * contact_source_radius(v, contact);
     double by_mass = scene_inverse_mass(v, contact);
     struct node_contact *to = &it->contact[it->contacts];
+    memcpy(to->body, bodies, sizeof bodies);
     to->contact = contact;
     to->rows = rows_of(it->g, contact, length);
     to->loads = SCENE_ANY_ROLLING && to->rows == MOST_ROWS ? LOADS : 1;
@@ -222,20 +229,11 @@ static void note_node_contact(struct iteration *it, int contact, double length)
     to->first = it->rows;
     to->laws = turning_laws_of(it->g->state, contact);
     to->side = scene_contact_side(it->g->state, contact);
-    double by_inertia = 0.0;
-    for (int end = 0; end < 2; ++end) {
-        const int body = end == 0 ? contact_source(contact) : contact_destination(contact);
-        const struct ode_layout *layout = &it->g->ode.layout;
-        to->body[end] = body;
-        to->spin[end] = layout->spin[body] >= 0 ? it->g->step.among[layout->spin[body]] : -1;
-        to->speed[end] = layout->body[body] >= 0 ? it->g->step.among[layout->body[body] + 3] : -1;
-        by_inertia += it->mobility[body].by_inertia;
-    }
-    /* where neither body is free, any scale serves */
-    by_mass = by_mass > 0.0 || by_inertia > 0.0 ? by_mass : 1.0;
-    const double square = contact_source_radius(v, contact) * contact_source_radius(v, contact);
-    it->admittance[it->contacts][0] = length * (by_mass > 0.0 ? by_mass : by_inertia * square);
-    it->admittance[it->contacts][1] = length * (by_inertia > 0.0 ? by_inertia : by_mass / square);
+    to->is_felt[0] = by_mass > 0.0 || by_inertia > 0.0;
+    to->is_felt[1] = by_inertia > 0.0;
+    by_mass = to->is_felt[0] ? by_mass : 1.0; /* where neither body is free, any scale serves */
+    to->admittance[0] = length * (by_mass > 0.0 ? by_mass : by_inertia * square);
+    to->admittance[1] = length * (by_inertia > 0.0 ? by_inertia : by_mass / square);
     it->contacts += 1;
     it->rows += to->rows;
 }
@@ -245,6 +243,7 @@ static void note_node_contact(struct iteration *it, int contact, double length)
 static void note_contacts(struct iteration *it)
 {
     it->contacts = it->rows = 0;
+    it->has_springs = false;
     for (int k = 0; k < 2 * it->g->ode.layout.groups; ++k) {
         for (int j = 0; j < SCENE_CONTACTS; ++j) {
             const bool both = moves(it, contact_source(j)) && moves(it, contact_destination(j));
@@ -291,7 +290,7 @@ static void respond_along_normal(struct iteration *it, int stage, int index, con
 {
     const struct node_contact *c = &it->contact[index];
     struct node *node = &it->node[stage][index];
-    const double a = it->admittance[index][0];
+    const double a = c->admittance[0];
     const struct vec3 e = vec3_scale(c->side, g->normal);
     const double normal_force = -vec3_dot(node->load[0], e);
     const double by_law = contact_force(&c->laws.normal, c->laws.regime, g->gap, g->gap_rate);
@@ -348,9 +347,7 @@ static struct vec3 respond_opposed(struct iteration *it, int stage, int index, i
     const struct friction_law *law = &c->laws.rubbing[part];
     const enum friction_regime regime = c->laws.rubbing_regime[part];
     const int spring = it->g->ode.layout.spring[c->contact][part];
-    const double a = it->admittance[index][load_of(part)];
-    const bool pushes = part == OPPOSED_SLIP && (c->speed[0] >= 0 || c->speed[1] >= 0);
-    const bool felt = pushes || c->spin[0] >= 0 || c->spin[1] >= 0; /* by a free body */
+    const double a = c->admittance[load_of(part)];
     struct node *node = &it->node[stage][index];
     struct friction_state rubbing = turning_rubbing(&it->g->state->turning, at, c->contact, part);
     rubbing.normal_force = normal_force;
@@ -359,7 +356,8 @@ static struct vec3 respond_opposed(struct iteration *it, int stage, int index, i
                                       at->geometry[c->contact].normal);
     }
     if (slopes) {
-        node->rolls[part] = felt && friction_rolls(law, regime, normal_force, *opposing, a);
+        node->rolls[part] =
+            c->is_felt[load_of(part)] && friction_rolls(law, regime, normal_force, *opposing, a);
     }
     const struct friction_missed missed =
         friction_missed(law, regime, rubbing, opposing, node->rolls[part], a, slopes);
@@ -444,7 +442,7 @@ CONTACT_NOT_FUSED CONTACT_FLATTEN static void respond_as_a_whole(struct iteratio
     struct node *node = &it->node[stage][index];
     struct vec3 by_normal[ROWS];
     const double by_law = contact_force(&laws->normal, laws->regime, g->gap, g->gap_rate);
-    const double a = it->admittance[index][0];
+    const double a = c->admittance[0];
     struct friction_slopes friction = {.by_force = {{.x = a}, {.y = a}, {.z = a}}};
     const struct vec3 e = vec3_scale(c->side, g->normal);
     const double normal_force = -vec3_dot(node->load[0], e);
@@ -513,7 +511,7 @@ static void put_orientation_rates(struct iteration *it, int stage, const struct 
             const struct quaternion given = quaternion_from(it->g->step.point + k);
             quaternion_to(quaternion_rate(given, at->turning.body[i].angular_velocity),
                           it->g->step.rates + stage * it->g->step.width + it->g->step.among[k]);
-            it->rotation[stage][i] = rotation_of(it->g->ode.values, i, at->turning.body[i].orientation);
+            it->body[i].rotation[stage] = rotation_of(it->g->ode.values, i, at->turning.body[i].orientation);
         }
     }
 }
@@ -566,14 +564,15 @@ static void put_turned_rows(struct iteration *it, int stage, int contact)
     const struct node_contact *c = &it->contact[contact];
     struct node *node = &it->node[stage][contact];
     for (int end = 0; end < 2; ++end) {
-        const struct rotation_by_spin *rotation = &it->rotation[stage][c->body[end]];
+        const struct node_body *body = &it->body[c->body[end]];
+        const struct rotation_by_spin *rotation = &body->rotation[stage];
         const struct vec3 arm = node->arm[end];
         struct turned_rows *to = &node->turned[end];
-        for (int r = 0; c->spin[end] >= 0 && r < c->rows; ++r) {
+        for (int r = 0; body->spin >= 0 && r < c->rows; ++r) {
             const struct vec3 by = node->by_motion[r];
             to->by_motion[r] = rotated_by(rotation, r < ROWS ? vec3_cross(arm, by) : by);
         }
-        for (int r = 0; c->spin[end] >= 0 && r < ROWS && r < c->rows; ++r) {
+        for (int r = 0; body->spin >= 0 && r < ROWS && r < c->rows; ++r) {
             struct vec3 by = vec3_cross(arm, node->by_place[r]);
             if (SCENE_ANY_COMPOUND && c->rows >= ROWS) {
                 by = vec3_add(by, vec3_cross(node->offset[end], node->by_swing[r]));
@@ -633,16 +632,16 @@ static void add_loads(struct iteration *it, int stage, int contact, const struct
     const struct node_contact *ends = &it->contact[contact];
     double *rates = it->g->step.rates + stage * it->g->step.width;
     for (int end = 0; end < 2; ++end) {
-        const struct mobility *m = &it->mobility[ends->body[end]];
-        if (ends->speed[end] >= 0) {
-            vec3_add_to(SIGN_OF_END[end] * m->by_mass, load[0], rates + ends->speed[end]);
+        const struct node_body *body = &it->body[ends->body[end]];
+        if (body->speed >= 0) {
+            vec3_add_to(SIGN_OF_END[end] * body->by_mass, load[0], rates + body->speed);
         }
-        if (ends->spin[end] >= 0) {
+        if (body->spin >= 0) {
             struct vec3 torque = vec3_cross(it->node[stage][contact].arm[end], load[0]);
             if (SCENE_ANY_ROLLING && ends->loads > 1) {
                 torque = vec3_add(torque, load[LOADS - 1]);
             }
-            vec3_add_to(SIGN_OF_END[end] * m->by_inertia, torque, rates + ends->spin[end]);
+            vec3_add_to(SIGN_OF_END[end] * body->by_inertia, torque, rates + body->spin);
         }
     }
 }
@@ -657,15 +656,14 @@ struct motion_change {
 static inline struct motion_change motion_of(const struct iteration *it, int stage, int contact,
                                              const double *change)
 {
-    const struct node_contact *ends = &it->contact[contact];
     struct motion_change sum = {.centre = {0.0, 0.0, 0.0}};
     for (int end = 0; end < 2; ++end) {
-        if (ends->speed[end] >= 0) {
-            sum.centre = vec3_axpy(sum.centre, SIGN_OF_END[end], vec3_from(change + ends->speed[end]));
+        const struct node_body *body = &it->body[it->contact[contact].body[end]];
+        if (body->speed >= 0) {
+            sum.centre = vec3_axpy(sum.centre, SIGN_OF_END[end], vec3_from(change + body->speed));
         }
-        if (ends->spin[end] >= 0) {
-            const struct vec3 turned =
-                rotated_by(&it->rotation[stage][ends->body[end]], vec3_from(change + ends->spin[end]));
+        if (body->spin >= 0) {
+            const struct vec3 turned = rotated_by(&body->rotation[stage], vec3_from(change + body->spin));
             const struct vec3 arm = it->node[stage][contact].arm[end];
             sum.opposed[0] = vec3_axpy(sum.opposed[0], SIGN_OF_END[end], vec3_cross(turned, arm));
             sum.opposed[1] = vec3_axpy(sum.opposed[1], SIGN_OF_END[end], turned);
@@ -700,9 +698,8 @@ static void follow_spin(struct iteration *it, int body, const double *pending)
     const int k = it->g->ode.layout.orientation[body];
     for (int stage = 0; stage < p->stages->stages; ++stage) {
         const struct quaternion q = it->g->at_stage[stage].turning.body[body].orientation;
-        const struct vec3 spin =
-            vec3_from(pending + stage * p->width + p->among[it->g->ode.layout.spin[body]]);
-        const struct quaternion rate = quaternion_rate(q, rotated_by(&it->rotation[stage][body], spin));
+        const struct vec3 spin = vec3_from(pending + stage * p->width + it->body[body].spin);
+        const struct quaternion rate = quaternion_rate(q, rotated_by(&it->body[body].rotation[stage], spin));
         double *to = p->rates + stage * p->width + p->among[k];
         to[0] += rate.w;
         vec3_add_to(1.0, quaternion_vector(rate), to + 1);
@@ -789,7 +786,7 @@ static void move_others(struct iteration *it)
     const struct ode_layout *layout = &it->g->ode.layout;
     for (int i = 0; SCENE_ANY_TIPPING && i < SCENE_BODIES; ++i) {
         if (layout->orientation[i] >= 0 && layout->orientation[i] < layout->coupled) {
-            radau_step_pending(p, p->among[layout->spin[i]], 3, p->rates, p->scratch);
+            radau_step_pending(p, it->body[i].spin, 3, p->rates, p->scratch);
             follow_spin(it, i, p->scratch);
         }
     }
@@ -878,11 +875,11 @@ static struct shared_bodies shared_bodies_of(const struct iteration *it, int c, 
         const int body = it->contact[c].body[end];
         const double sign = SIGN_OF_END[end] * SIGN_OF_END[other_end];
         if (body == it->contact[d].body[other_end]) {
-            shared.by_mass += sign * it->mobility[body].by_mass;
+            shared.by_mass += sign * it->body[body].by_mass;
             shared.end[shared.count] = end;
             shared.other_end[shared.count] = other_end;
-            shared.by_inertia[shared.count] = sign * it->mobility[body].by_inertia;
-            shared.count += it->mobility[body].by_inertia > 0.0;
+            shared.by_inertia[shared.count] = sign * it->body[body].by_inertia;
+            shared.count += it->body[body].by_inertia > 0.0;
         }
     }
     return shared;
@@ -980,7 +977,7 @@ static void put_blocks_of_normals(const struct iteration *it, int c, int d, doub
                                  double2_at(p->stages->twice + j * s, i) * double2_at(slope[1], i)));
         }
         if (c == d) {
-            to[j] -= it->admittance[c][0];
+            to[j] -= it->contact[c].admittance[0];
         }
     }
 }
