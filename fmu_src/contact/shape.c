@@ -232,31 +232,35 @@ static struct skew_ends skew_ends_of(int zone)
 }
 
 /* Returns the distance of c from the nearest plane that bounds a zone of skew cylinders [m], negative beyond
- * it. Along each axis the zone is bounded by where the axis ends: by the component of c along the axis if the
- * other axis is at its end, else by that across the other axis, which is the place of the nearest point times
- * the sine. */
+ * it. `a` and `b` are the places of the nearest points if the other axis is at its end. */
 static double skew_margin(const struct skew_frame *frame, int zone, struct vec3 c)
 {
     const struct skew_axes *axes = &frame->axes;
     const struct skew_ends at = skew_ends_of(zone);
-    const int ends[2] = {at.source, at.destination};
-    const double half[2] = {axes->source_half, axes->destination_half};
-    const double across[2] = {vec3_dot(c, frame->across_destination), -vec3_dot(c, frame->across_source)};
-    const double along[2] = {vec3_dot(c, axes->source), -vec3_dot(c, axes->destination)};
-    double margin = (double)INFINITY;
+    const double source_side = vec3_dot(c, frame->across_destination); /* sine a, both within */
+    const double destination_side = -vec3_dot(c, frame->across_source);
     if (at.source == 0 && at.destination == 0) {
-        margin = (zone < 0 ? -1.0 : 1.0) * vec3_dot(c, frame->normal);
+        const double height = (zone < 0 ? -1.0 : 1.0) * vec3_dot(c, frame->normal);
+        return fmin(height, fmin(frame->sine * axes->source_half - fabs(source_side),
+                                 frame->sine * axes->destination_half - fabs(destination_side)));
     }
-    for (int i = 0; i < 2; ++i) {
-        const int other = ends[1 - i];
-        if (other != 0 && !isfinite(half[1 - i])) {
-            return -(double)INFINITY;
-        }
-        const double place = other != 0 ? along[i] + frame->cosine * other * half[1 - i] : across[i];
-        const double end = other != 0 ? half[i] : frame->sine * half[i];
-        margin = fmin(margin, ends[i] != 0 ? ends[i] * place - end : end - fabs(place));
+    if ((at.source != 0 && !isfinite(axes->source_half)) ||
+        (at.destination != 0 && !isfinite(axes->destination_half))) {
+        return -(double)INFINITY;
     }
-    return margin;
+    const double a = vec3_dot(c, axes->source) +
+                     (at.destination != 0 ? frame->cosine * at.destination * axes->destination_half : 0.0);
+    const double b = (at.source != 0 ? frame->cosine * at.source * axes->source_half : 0.0) -
+                     vec3_dot(c, axes->destination);
+    if (at.destination == 0) {
+        return fmin(at.source * source_side - frame->sine * axes->source_half,
+                    axes->destination_half - fabs(b));
+    }
+    if (at.source == 0) {
+        return fmin(at.destination * destination_side - frame->sine * axes->destination_half,
+                    axes->source_half - fabs(a));
+    }
+    return fmin(at.source * a - axes->source_half, at.destination * b - axes->destination_half);
 }
 
 /* Returns the place of the edge or corner of the parallelogram that a zone is at, zero at its face [m]. */
@@ -264,9 +268,11 @@ static struct vec3 skew_corner(const struct contact_solid *solid)
 {
     const struct skew_axes *axes = &contact_skew_frame(solid)->axes;
     const struct skew_ends at = skew_ends_of(solid->zone);
-    const double a = at.source != 0 ? at.source * axes->source_half : 0.0;
-    const double b = at.destination != 0 ? at.destination * axes->destination_half : 0.0;
-    return vec3_axpy(vec3_scale(a, axes->source), -b, axes->destination);
+    const struct vec3 along_source =
+        at.source != 0 ? vec3_scale(at.source * axes->source_half, axes->source) : vec3_make(0.0, 0.0, 0.0);
+    return at.destination != 0
+               ? vec3_axpy(along_source, -at.destination * axes->destination_half, axes->destination)
+               : along_source;
 }
 
 /* Returns a pair of skew cylinders as c meets it in its zone. */
