@@ -122,10 +122,11 @@ static struct radial_force radial_force_of(const struct friction_law *law, enum 
     if (law->kind == FRICTION_REGULARIZED) {
         const struct direction v = direction_of(at.slip);
         const double v_0 = law->slip_velocity;
-        const double part = -expm1(-v.length / v_0);
-        const double across = v.length > 0.0 ? limit * part / v.length : limit / v_0;
+        const double z = v.length / v_0;
+        const double part = -expm1(-z);
+        const double across = limit * (z > 0.0 ? part / z : 1.0) / v_0;
         return (struct radial_force){
-            vec3_scale(-limit * part, v.unit), v.unit, across, limit * (1.0 - part) / v_0, part, 1.0, 0.0};
+            vec3_scale(-across, at.slip), v.unit, across, limit * (1.0 - part) / v_0, part, 1.0, 0.0};
     }
     const double stiffness = friction_stiffness(law, at.depth);
     const struct vec3 pull = carried(law, at);
