@@ -1,3 +1,5 @@
+#include <string.h>
+
 #include "contact/friction.h"
 
 #include "math/compiler.h"
@@ -18,14 +20,12 @@ static struct direction direction_of(struct vec3 a)
                               length > 0.0 ? vec3_make(a.x / length, a.y / length, a.z / length) : zero};
 }
 
-/* Sets m = along u u^T + across (I - u u^T). */
-static void set_axial(double m[3][3], struct vec3 u, double along, double across)
+/* Sets the rows of along u u^T + across (I - u u^T). */
+static void set_axial(struct vec3 row[3], struct vec3 u, double along, double across)
 {
-    const double unit[3] = {u.x, u.y, u.z};
     for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 3; ++j) {
-            m[i][j] = (along - across) * unit[i] * unit[j] + (i == j ? across : 0.0);
-        }
+        row[i] = vec3_scale((along - across) * vec3_get(u, i), u);
+        *vec3_part(&row[i], i) += across;
     }
 }
 
@@ -45,15 +45,10 @@ double friction_stiffening(const struct friction_law *law, double depth)
     return follows_depth(law) && depth > FRICTION_LEAST_DEPTH ? 0.5 / depth : 0.0;
 }
 
-static double stiffness_at(const struct friction_law *law, struct friction_state at)
-{
-    return friction_stiffness(law, at.depth);
-}
-
 /* Returns F* [N]. */
 static struct vec3 carried(const struct friction_law *law, struct friction_state at)
 {
-    return vec3_axpy(vec3_scale(stiffness_at(law, at), at.spring), law->damping, at.slip);
+    return vec3_axpy(vec3_scale(friction_stiffness(law, at.depth), at.spring), law->damping, at.slip);
 }
 
 static bool slides(enum friction_regime regime)
@@ -61,26 +56,12 @@ static bool slides(enum friction_regime regime)
     return regime == FRICTION_SLIDING || regime == FRICTION_CAPPED;
 }
 
-static bool has_dashpot(const struct friction_law *law)
-{
-    return law->damping > 0.0;
-}
-
 double friction_limit(const struct friction_law *law, enum friction_regime regime, double normal_force)
 {
-    switch (regime) {
-    case FRICTION_STICKING:
-        return law->kind == FRICTION_REGULARIZED
-                   ? law->largest
-                   : fmin(law->static_coefficient * fmax(normal_force, 0.0), law->largest);
-    case FRICTION_SLIDING:
-        return law->coefficient * normal_force;
-    case FRICTION_CAPPED:
-        return law->largest;
-    case FRICTION_LIFTED:
-    default:
-        return 0.0;
-    }
+    return regime == FRICTION_STICKING ? fmin(law->static_coefficient * fmax(normal_force, 0.0), law->largest)
+           : regime == FRICTION_SLIDING ? law->coefficient * normal_force
+           : regime == FRICTION_CAPPED  ? law->largest
+                                        : 0.0;
 }
 
 /* Returns dL/dF_n [1] of a sliding contact. */
@@ -112,67 +93,56 @@ enum friction_regime friction_onset_regime(const struct friction_law *law, struc
     const double limit = friction_limit(law, FRICTION_STICKING, at.normal_force);
     const bool touches = at.depth_rate >= 0.0; /* otherwise F_n grows again during a rebound */
     const double power = follows_depth(law) && touches ? ONSET_POWER : 1.0;
-    const bool holds = begins_loaded
-                           ? law->damping * speed < limit
-                           : law->damping * speed == 0.0 && power * stiffness_at(law, at) * speed <=
-                                                                law->static_coefficient * normal_force_rate;
+    const bool holds =
+        begins_loaded ? law->damping * speed < limit
+                      : law->damping * speed == 0.0 && power * friction_stiffness(law, at.depth) * speed <=
+                                                           law->static_coefficient * normal_force_rate;
     if (law->kind == FRICTION_ELASTIC && holds && law->static_coefficient > 0.0) {
         return FRICTION_STICKING;
     }
     return begins_loaded ? friction_sliding_regime(law, at.normal_force) : FRICTION_SLIDING;
 }
 
-/* Returns (1 - exp(-z)) / z. */
-static double saturation(double z)
+/* F_t = -f(|w|, L) w / |w|, where w is the slip of regularized friction and F* of elastic friction. A change
+ * of w changes F_t by -`across` times its part across w and by -`along` times its part along w; a change of L
+ * changes F_t by -`by_limit` w / |w| times itself. */
+struct radial_force {
+    struct vec3 force, unit;        /* F_t [N] and w / |w| [1] */
+    double across, along, by_limit; /* f / |w|, df/d|w|, df/dL */
+    double by_slip, by_spring;      /* the changes of w with the slip and with the spring */
+};
+
+static struct radial_force radial_force_of(const struct friction_law *law, enum friction_regime regime,
+                                           struct friction_state at)
 {
-    return z > 0.0 ? -expm1(-z) / z : 1.0;
+    const double limit = friction_limit(law, regime, at.normal_force);
+    if (law->kind == FRICTION_NONE || regime == FRICTION_LIFTED) {
+        return (struct radial_force){.across = 0.0};
+    }
+    if (law->kind == FRICTION_REGULARIZED) {
+        const struct direction v = direction_of(at.slip);
+        const double v_0 = law->slip_velocity;
+        const double z = v.length / v_0;
+        const double part = -expm1(-z);
+        const double across = limit * (z > 0.0 ? part / z : 1.0) / v_0;
+        return (struct radial_force){
+            vec3_scale(-across, at.slip), v.unit, across, limit * (1.0 - part) / v_0, part, 1.0, 0.0};
+    }
+    const double stiffness = friction_stiffness(law, at.depth);
+    const struct vec3 pull = carried(law, at);
+    const struct direction f = direction_of(pull);
+    if (regime == FRICTION_STICKING) {
+        return (struct radial_force){vec3_scale(-1.0, pull), f.unit, 1.0, 1.0, 0.0, law->damping, stiffness};
+    }
+    const double across = f.length > 0.0 ? limit / f.length : 0.0;
+    return (struct radial_force){
+        vec3_scale(-limit, f.unit), f.unit, across, 0.0, 1.0, law->damping, stiffness};
 }
 
 struct vec3 friction_force(const struct friction_law *law, enum friction_regime regime,
                            struct friction_state at)
 {
-    const double limit = friction_limit(law, regime, at.normal_force);
-    if (law->kind == FRICTION_REGULARIZED) {
-        const double z = regime == FRICTION_STICKING ? 0.0 : vec3_norm(at.slip) / law->slip_velocity;
-        return vec3_scale(-limit * saturation(z) / law->slip_velocity, at.slip);
-    }
-    if (law->kind == FRICTION_NONE || regime == FRICTION_LIFTED) {
-        return vec3_make(0.0, 0.0, 0.0);
-    }
-    const struct vec3 force = carried(law, at);
-    return regime == FRICTION_STICKING ? vec3_scale(-1.0, force)
-                                       : vec3_scale(-limit, direction_of(force).unit);
-}
-
-/* Returns the derivatives of F_t by v_t, xi and F_n. */
-CONTACT_NOT_FUSED static struct friction_response
-friction_force_slopes(const struct friction_law *law, enum friction_regime regime, struct friction_state at)
-{
-    struct friction_response slopes = {.by_slip = {{0.0}}};
-    const double limit = friction_limit(law, regime, at.normal_force);
-    if (law->kind == FRICTION_NONE || regime == FRICTION_LIFTED) {
-        return slopes;
-    }
-    if (law->kind == FRICTION_REGULARIZED) {
-        const struct direction v = direction_of(at.slip);
-        const double z = regime == FRICTION_STICKING ? 0.0 : v.length / law->slip_velocity;
-        const double across = -limit * saturation(z) / law->slip_velocity;
-        slopes.by_normal_force = vec3_scale(limit_slope(law, regime) * expm1(-z), v.unit);
-        set_axial(slopes.by_slip, v.unit, -limit * exp(-z) / law->slip_velocity, across);
-        return slopes;
-    }
-    const double stiffness = stiffness_at(law, at);
-    if (regime == FRICTION_STICKING) {
-        set_axial(slopes.by_slip, at.slip, -law->damping, -law->damping);
-        set_axial(slopes.by_spring, at.slip, -stiffness, -stiffness);
-        return slopes;
-    }
-    const struct direction f = direction_of(carried(law, at));
-    const double across = f.length > 0.0 ? -limit / f.length : 0.0;
-    slopes.by_normal_force = vec3_scale(-limit_slope(law, regime), f.unit);
-    set_axial(slopes.by_slip, f.unit, 0.0, across * law->damping);
-    set_axial(slopes.by_spring, f.unit, 0.0, across * stiffness);
-    return slopes;
+    return radial_force_of(law, regime, at).force;
 }
 
 struct vec3 opposed_turned(enum opposed part, struct vec3 spring, struct vec3 normal, struct vec3 normal_rate)
@@ -191,7 +161,7 @@ struct vec3 opposed_laid(enum opposed part, struct vec3 spring, struct vec3 norm
  * times the part of the slip across xi, and keeps the length |xi|. */
 static double turning_factor(const struct friction_law *law, struct friction_state at, double limit)
 {
-    const double reach = stiffness_at(law, at) * vec3_norm(at.spring);
+    const double reach = friction_stiffness(law, at.depth) * vec3_norm(at.spring);
     const double floor = FRICTION_LEAST_LENGTH * reach;
     const double square = limit * limit + floor * floor;
     return square > 0.0 ? reach * limit / square : 0.0;
@@ -199,7 +169,7 @@ static double turning_factor(const struct friction_law *law, struct friction_sta
 
 bool friction_has_spring(const struct friction_law *law, enum friction_regime regime)
 {
-    return law->kind == FRICTION_ELASTIC && (regime != FRICTION_LIFTED || has_dashpot(law));
+    return law->kind == FRICTION_ELASTIC && (regime != FRICTION_LIFTED || law->damping > 0.0);
 }
 
 struct vec3 friction_spring(const struct friction_law *law, enum friction_regime regime,
@@ -208,10 +178,10 @@ struct vec3 friction_spring(const struct friction_law *law, enum friction_regime
     if (!friction_has_spring(law, regime)) {
         return vec3_make(0.0, 0.0, 0.0);
     }
-    if (!slides(regime) || has_dashpot(law)) {
+    if (!slides(regime) || law->damping > 0.0) {
         return at.spring;
     }
-    const double length = friction_limit(law, regime, at.normal_force) / stiffness_at(law, at);
+    const double length = friction_limit(law, regime, at.normal_force) / friction_stiffness(law, at.depth);
     return vec3_scale(length, direction_of(at.spring).unit);
 }
 
@@ -232,51 +202,36 @@ bool friction_rolls(const struct friction_law *law, enum friction_regime regime,
 
 struct friction_missed friction_missed(const struct friction_law *law, enum friction_regime regime,
                                        struct friction_state at, struct vec3 *force, bool rolls,
-                                       double admittance)
+                                       double admittance, struct friction_slopes *slopes)
 {
     const double limit = friction_limit(law, regime, at.normal_force);
     if (!(rolls && limit > 0.0)) {
-        const struct vec3 more = vec3_sub(*force, friction_force(law, regime, at));
-        return (struct friction_missed){vec3_scale(admittance, more), 0.0};
-    }
-    double part = vec3_norm(*force) / limit;
-    if (part > LARGEST_PART) {
-        *force = vec3_scale(LARGEST_PART / part, *force);
-        part = LARGEST_PART;
-    }
-    const double across = part > 0.0 ? -log1p(-part) / part : 1.0;
-    const double v_0 = law->slip_velocity;
-    return (struct friction_missed){vec3_axpy(at.slip, v_0 / limit * across, *force),
-                                    v_0 / (limit * (1.0 - part))};
-}
-
-struct friction_response friction_response_of(const struct friction_law *law, enum friction_regime regime,
-                                              struct friction_state at, struct vec3 force, bool rolls,
-                                              double admittance)
-{
-    struct friction_response response = {.by_slip = {{0.0}}};
-    const double limit = friction_limit(law, regime, at.normal_force);
-    if (rolls && limit > 0.0) {
-        const struct direction f = direction_of(force);
-        const double part = f.length / limit;
-        const double by_force = law->slip_velocity / limit;
-        const double across = part > 0.0 ? -log1p(-part) / part : 1.0;
-        set_axial(response.by_force, f.unit, by_force / (1.0 - part), by_force * across);
-        set_axial(response.by_slip, f.unit, 1.0, 1.0);
-        response.by_normal_force =
-            vec3_scale(-limit_slope(law, regime) * by_force * part / (1.0 - part), f.unit);
-        return response;
-    }
-    response = friction_force_slopes(law, regime, at);
-    response.by_normal_force = vec3_scale(-admittance, response.by_normal_force);
-    for (int i = 0; i < 3; ++i) {
-        response.by_force[i][i] = admittance;
-        for (int j = 0; j < 3; ++j) {
-            response.by_slip[i][j] *= -admittance;
-            response.by_spring[i][j] *= -admittance;
+        const struct radial_force by = radial_force_of(law, regime, at);
+        if (slopes) {
+            const double slip = admittance * by.by_slip;
+            const double spring = admittance * by.by_spring;
+            set_axial(slopes->by_force, by.unit, admittance, admittance);
+            set_axial(slopes->by_slip, by.unit, slip * by.along, slip * by.across);
+            set_axial(slopes->by_spring, by.unit, spring * by.along, spring * by.across);
+            slopes->by_normal_force =
+                vec3_scale(admittance * limit_slope(law, regime) * by.by_limit, by.unit);
         }
+        return (struct friction_missed){vec3_scale(admittance, vec3_sub(*force, by.force)), 0.0};
     }
-    return response;
+    const double whole = vec3_norm(*force) / limit;
+    const double part = fmin(whole, LARGEST_PART);
+    *force = whole > LARGEST_PART ? vec3_scale(LARGEST_PART / whole, *force) : *force;
+    const double per_force = law->slip_velocity / limit;
+    const double across = part > 0.0 ? -log1p(-part) / part * per_force : per_force;
+    const double steepness = per_force / (1.0 - part);
+    if (slopes) {
+        const struct vec3 unit = direction_of(*force).unit;
+        memset(slopes, 0, sizeof *slopes);
+        set_axial(slopes->by_force, unit, steepness, across);
+        set_axial(slopes->by_slip, unit, 1.0, 1.0);
+        slopes->by_normal_force = vec3_scale(-limit_slope(law, regime) * steepness * part, unit);
+    }
+    return (struct friction_missed){vec3_axpy(at.slip, across, *force), steepness};
 }
 
 struct friction_spring_drive friction_spring_drive_of(const struct friction_law *law,
@@ -288,9 +243,9 @@ struct friction_spring_drive friction_spring_drive_of(const struct friction_law 
     }
     if (regime == FRICTION_STICKING) {
         drive.along = drive.across = 1.0;
-    } else if (has_dashpot(law)) {
+    } else if (law->damping > 0.0) {
         drive.is_force = true;
-        drive.decay = stiffness_at(law, at) / law->damping;
+        drive.decay = friction_stiffness(law, at.depth) / law->damping;
         drive.along = drive.across = -1.0 / law->damping;
     } else {
         const struct direction xi = direction_of(at.spring);
@@ -303,19 +258,23 @@ struct friction_spring_drive friction_spring_drive_of(const struct friction_law 
     return drive;
 }
 
+struct vec3 friction_driven(const struct friction_spring_drive *drive, struct vec3 z)
+{
+    const double along = (drive->along - drive->across) * vec3_dot(drive->unit, z);
+    return vec3_axpy(vec3_scale(drive->across, z), along, drive->unit);
+}
+
 struct vec3 friction_spring_rate(const struct friction_law *law, enum friction_regime regime,
                                  struct friction_state at, struct vec3 force)
 {
     const struct friction_spring_drive drive = friction_spring_drive_of(law, regime, at);
-    const struct vec3 z = drive.is_force ? force : at.slip;
-    const double along = (drive.along - drive.across) * vec3_dot(drive.unit, z);
-    const struct vec3 rate = vec3_axpy(vec3_scale(drive.across, z), along, drive.unit);
+    const struct vec3 rate = friction_driven(&drive, drive.is_force ? force : at.slip);
     return drive.is_force ? vec3_axpy(rate, -drive.decay, at.spring) : rate;
 }
 
 bool friction_compares_forces(const struct friction_law *law, enum friction_regime regime)
 {
-    return regime == FRICTION_STICKING || has_dashpot(law);
+    return regime == FRICTION_STICKING || law->damping > 0.0;
 }
 
 /* Returns (L / k_t)', the rate of the length of a sliding spring without a dashpot [m/s]. At the touch
@@ -325,7 +284,7 @@ static double length_rate(const struct friction_law *law, struct friction_state 
 {
     const double stiffening = friction_stiffening(law, at.depth);
     const double power = follows_depth(law) && stiffening == 0.0 ? ONSET_POWER : 1.0;
-    return (limit_rate / power - limit * stiffening * at.depth_rate) / stiffness_at(law, at);
+    return (limit_rate / power - limit * stiffening * at.depth_rate) / friction_stiffness(law, at.depth);
 }
 
 double friction_stick_event(const struct friction_law *law, enum friction_regime regime,
@@ -342,7 +301,7 @@ double friction_stick_event(const struct friction_law *law, enum friction_regime
     if (law->coefficient == 0.0 || (limit == 0.0 && normal_force_rate == 0.0)) {
         return 1.0; /* with mu = 0, or with a normal force that stays zero, sliding never ends */
     }
-    if (has_dashpot(law)) {
+    if (law->damping > 0.0) {
         return f.length - limit;
     }
     const double limit_rate = limit_slope(law, regime) * normal_force_rate;
@@ -356,9 +315,4 @@ double friction_cap_event(const struct friction_law *law, enum friction_regime r
         return 1.0;
     }
     return regime == FRICTION_SLIDING ? room : -room;
-}
-
-double friction_lift_event(enum friction_regime regime, double push)
-{
-    return regime == FRICTION_LIFTED ? -push : push;
 }

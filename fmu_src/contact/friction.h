@@ -64,8 +64,7 @@ struct friction_law {
     enum tangential_law tangential;
 };
 
-/* The regimes of friction. Regularized friction always slides; its FRICTION_STICKING is the linearization at
- * zero slip, F_t = -F_max v_t / v_0, from which the general segment starts its iterations. */
+/* The regimes of friction. Regularized friction never sticks. */
 enum friction_regime {
     FRICTION_STICKING,
     FRICTION_SLIDING, /* L = mu F_n */
@@ -135,7 +134,6 @@ struct vec3 friction_spring(const struct friction_law *law, enum friction_regime
  *              sliding, c_t > 0: |F*| - L                            [N]
  *              sliding, c_t = 0: v_t . F* / |F*| - (L / k_t)'        [m/s]
  *   cap        sliding: F_max - mu F_n, capped: mu F_n - F_max       [N]
- *   lift       sliding, capped and sticking: contact_push, lifted: its negative
  */
 double friction_stick_event(const struct friction_law *law, enum friction_regime regime,
                             struct friction_state at, double normal_force_rate);
@@ -155,9 +153,9 @@ struct friction_missed {
     double steepness; /* the derivative by |F_t| in the first form [m/(N s)]; 0 in the second */
 };
 
-/* The derivatives by F_t, by v_t, by the spring xi and by F_n. */
-struct friction_response {
-    double by_force[3][3], by_slip[3][3], by_spring[3][3];
+/* The derivatives by F_t, by v_t, by the spring xi and by F_n: rows of matrices, and a vector. */
+struct friction_slopes {
+    struct vec3 by_force[3], by_slip[3], by_spring[3];
     struct vec3 by_normal_force;
 };
 
@@ -166,14 +164,11 @@ struct friction_response {
 bool friction_rolls(const struct friction_law *law, enum friction_regime regime, double normal_force,
                     struct vec3 force, double admittance);
 
-/* friction_missed returns how far a force F_t is from its law, in the form that `rolls` names; it first
- * shortens a force of nearly L or more. friction_response_of returns the derivatives. */
+/* Returns how far a force F_t is from its law, in the form that `rolls` names, and sets the derivatives if
+ * `slopes` is not NULL. The function first shortens a force of nearly L or more. */
 struct friction_missed friction_missed(const struct friction_law *law, enum friction_regime regime,
                                        struct friction_state at, struct vec3 *force, bool rolls,
-                                       double admittance);
-struct friction_response friction_response_of(const struct friction_law *law, enum friction_regime regime,
-                                              struct friction_state at, struct vec3 force, bool rolls,
-                                              double admittance);
+                                       double admittance, struct friction_slopes *slopes);
 
 /*
  * How the rate of the spring of elastic friction changes where F_t is an unknown:
@@ -192,6 +187,9 @@ struct friction_spring_drive {
 struct friction_spring_drive friction_spring_drive_of(const struct friction_law *law,
                                                       enum friction_regime regime, struct friction_state at);
 
+/* Returns the part of the rate, or of its change, by a drive z or by a change of z. */
+struct vec3 friction_driven(const struct friction_spring_drive *drive, struct vec3 z);
+
 /* Returns xi' [m/s] under the force F_t, without what the normal turns (opposed_turned). */
 struct vec3 friction_spring_rate(const struct friction_law *law, enum friction_regime regime,
                                  struct friction_state at, struct vec3 force);
@@ -199,6 +197,5 @@ struct vec3 friction_spring_rate(const struct friction_law *law, enum friction_r
 /* Whether the stick event of elastic friction compares |F*| with a limit. */
 bool friction_compares_forces(const struct friction_law *law, enum friction_regime regime);
 double friction_cap_event(const struct friction_law *law, enum friction_regime regime, double normal_force);
-double friction_lift_event(enum friction_regime regime, double push);
 
 #endif

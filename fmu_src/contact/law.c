@@ -16,15 +16,6 @@ double contact_linear_force(struct contact_coefficients linear, double gap, doub
     return -(linear.k * gap + linear.c * gap_rate);
 }
 
-/*
- * Hertz's force with the damping of Hunt and Crossley.
- *
- *   F_n = k_h delta^(3/2) (1 + chi delta'),   delta = -g, zero for g >= 0
- *
- * k_h [N/m^1.5] is the stiffness and chi [s/m] the damping factor, which is 0 in a regime without damping.
- * Source: K. H. Hunt, F. R. E. Crossley, Journal of Applied Mechanics 42 (1975) 440.
- */
-
 /* Returns delta^(3/2) [m^1.5] with delta = -g, or zero for g >= 0. */
 static double three_halves(double gap)
 {
@@ -295,15 +286,8 @@ enum contact_regime contact_regime_of(const struct contact_law *law, double gap,
     if (!(gap < 0.0) || !within) {
         return REGIME_APART;
     }
-    if (law->damping > 0.0) {
-        if (law->dashpot == DASHPOT_NON_ADHESIVE && contact_push(law, gap, gap_rate) <= 0.0) {
-            return REGIME_SEPARATING;
-        }
-        if (law->dashpot == DASHPOT_APPROACH_ONLY && gap_rate >= 0.0) {
-            return REGIME_RESTITUTION;
-        }
-    }
-    return REGIME_COMPRESSION;
+    const bool has_left = contact_event(law, REGIME_COMPRESSION, gap, gap_rate) <= 0.0;
+    return has_left ? contact_regime_after(law, REGIME_COMPRESSION) : REGIME_COMPRESSION;
 }
 
 double contact_force(const struct contact_law *law, enum contact_regime regime, double gap, double gap_rate)
@@ -365,11 +349,9 @@ double contact_event(const struct contact_law *law, enum contact_regime regime, 
     if (regime == REGIME_APART || !contact_has_events(law)) {
         return 1.0;
     }
-    if (law->dashpot == DASHPOT_APPROACH_ONLY) {
-        return regime == REGIME_RESTITUTION ? gap_rate : -gap_rate;
-    }
-    const double push = contact_push(law, gap, gap_rate);
-    return regime == REGIME_SEPARATING ? -push : push;
+    const double within =
+        law->dashpot == DASHPOT_APPROACH_ONLY ? -gap_rate : contact_push(law, gap, gap_rate);
+    return regime == REGIME_COMPRESSION ? within : -within;
 }
 
 struct contact_slopes contact_event_slopes(const struct contact_law *law, enum contact_regime regime,
@@ -378,13 +360,12 @@ struct contact_slopes contact_event_slopes(const struct contact_law *law, enum c
     if (regime == REGIME_APART || !contact_has_events(law)) {
         return (struct contact_slopes){0.0, 0.0};
     }
-    if (law->dashpot == DASHPOT_APPROACH_ONLY) {
-        return (struct contact_slopes){0.0, regime == REGIME_RESTITUTION ? 1.0 : -1.0};
-    }
-    const struct contact_slopes slopes = contact_is_hertz(law)
-                                             ? (struct contact_slopes){0.0, -law->damping}
-                                             : contact_force_slopes(law, REGIME_COMPRESSION, gap, gap_rate);
-    return regime == REGIME_SEPARATING ? (struct contact_slopes){-slopes.by_gap, -slopes.by_rate} : slopes;
+    const struct contact_slopes within =
+        law->dashpot == DASHPOT_APPROACH_ONLY ? (struct contact_slopes){0.0, -1.0}
+        : contact_is_hertz(law)               ? (struct contact_slopes){0.0, -law->damping}
+                                              : contact_force_slopes(law, REGIME_COMPRESSION, gap, gap_rate);
+    const double sign = regime == REGIME_COMPRESSION ? 1.0 : -1.0;
+    return (struct contact_slopes){sign * within.by_gap, sign * within.by_rate};
 }
 
 enum contact_regime contact_regime_after(const struct contact_law *law, enum contact_regime regime)
@@ -411,7 +392,6 @@ bool contact_is_elastic(const struct contact_law *law)
     return !(law->damping > 0.0);
 }
 
-/* Hertz's law stores 2/5 k_h delta^(5/2) [J]. */
 double contact_stored_energy(const struct contact_law *law, enum contact_regime regime, double gap)
 {
     return regime == REGIME_APART  ? 0.0

@@ -49,6 +49,8 @@ CONTACT_COLD double hertz_stiffness(const struct contact_shape *shape, double mo
  *
  *   hertz              F_n = k_h delta^(3/2) (1 + chi delta')
  *
+ * for delta > 0. Source: K. H. Hunt, F. R. E. Crossley, Journal of Applied Mechanics 42 (1975) 440.
+ *
  * The choice of dashpot determines the viscous term: unclamped (the formula as it stands), non-adhesive (F_n
  * clipped at zero) or acting on approach only. In each regime the force is a smooth function of g and g';
  * with the linear law it is F_n = -(k g + c g') with constant k and c. A regime ends where a smooth event

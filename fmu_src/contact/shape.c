@@ -86,24 +86,18 @@ static struct vec3 across_axis(struct vec3 e)
     return vec3_scale(1.0 / vec3_norm(across), across);
 }
 
-/* Returns `once`, a vector that has been projected across the axis, projected a second time. Near the axis
- * the result of one projection is mostly rounding, which may point along the axis; the second projection
- * removes that part. The result is zero where too little is left; c then counts as on the axis. */
-static struct vec3 contact_across_again(const struct contact_shape *shape, struct vec3 once)
+/* Returns the part of c across a cylinder's axis; `axial` is c.e_d. Near the axis the result of one
+ * projection is mostly rounding, which may point along the axis; a second projection removes that part. The
+ * result is zero where too little is left; c then counts as on the axis. */
+static struct vec3 contact_across_axis(const struct contact_shape *shape, struct vec3 c, double axial)
 {
-    if (vec3_is_zero(once)) {
-        return vec3_make(0.0, 0.0, 0.0); /* this is exact for gravity along the axis */
+    const struct vec3 once = vec3_axpy(c, -axial, shape->axis);
+    if (!contact_is_near_axis(once, axial)) {
+        return once;
     }
     const double size = fabs(once.x) + fabs(once.y) + fabs(once.z);
     const struct vec3 twice = vec3_axpy(once, -vec3_dot(once, shape->axis), shape->axis);
     return vec3_norm(twice) > 0.1 * size ? twice : vec3_make(0.0, 0.0, 0.0);
-}
-
-/* Returns the part of c across a cylinder's axis, accurate near the axis too; `axial` is c.e_d. */
-static struct vec3 contact_across_axis(const struct contact_shape *shape, struct vec3 c, double axial)
-{
-    const struct vec3 once = vec3_axpy(c, -axial, shape->axis);
-    return contact_is_near_axis(once, axial) ? contact_across_again(shape, once) : once;
 }
 
 struct vec3 contact_across(const struct contact_shape *shape, struct vec3 c)
@@ -373,28 +367,17 @@ struct contact_shape contact_shape_in(const struct contact_shape *shape, int zon
         return skew_shape_in(in);
     }
     in.axis = vec3_scale(end, shape->solid.axis);
-    switch (end * zone) {
-    case ZONE_CAP:
-        in.destination = SHAPE_PLANE;
-        in.other_radius = shape->solid.half_height;
-        break;
-    case ZONE_RIM:
-        in.destination = SHAPE_RIM;
-        in.other_radius = 0.0;
-        break;
-    default:
-        in.destination = SHAPE_CYLINDER;
-        in.other_radius = shape->solid.radius;
-        break;
-    }
+    const bool is_cap = end * zone == ZONE_CAP;
+    const bool is_rim = end * zone == ZONE_RIM;
+    in.destination = is_cap ? SHAPE_PLANE : is_rim ? SHAPE_RIM : SHAPE_CYLINDER;
+    in.other_radius = is_cap ? shape->solid.half_height : is_rim ? 0.0 : shape->solid.radius;
     return in;
 }
 
 double contact_zone_margin(const struct contact_solid *solid, int zone, struct vec3 c)
 {
     if (solid_is_skew(solid)) {
-        const struct skew_frame *frame = contact_skew_frame(solid);
-        return skew_margin(frame, zone, c);
+        return skew_margin(contact_skew_frame(solid), zone, c);
     }
     const struct solid_place at = contact_place_at(solid, c);
     if (zone == ZONE_SIDE) {

@@ -149,9 +149,9 @@ void friction_force_terms(const struct friction_law *law, enum friction_regime r
 struct vec3 friction_spring_rate_change(const struct friction_law *law, enum friction_regime regime,
                                         const struct friction_path *path)
 {
-    struct vec3 force[JET_TERMS], unit[JET_TERMS], across[2];
+    struct vec3 force[JET_TERMS], unit[JET_TERMS], across[JET_TERMS];
     double stiffness[JET_TERMS], limit[JET_TERMS], length[JET_TERMS];
-    double reach[2], factor[2], top[2], square[2], along[2];
+    double reach[2], factor[2], top[2], square[2], along[JET_TERMS];
     if (!friction_has_spring(law, regime)) {
         return vec3_make(0.0, 0.0, 0.0);
     }
@@ -165,13 +165,12 @@ struct vec3 friction_spring_rate_change(const struct friction_law *law, enum fri
     }
     put_limit(law, regime, path, limit);
     jet_direction(path->terms, path->spring, length, unit);
+    jet_across(2, path->slip, unit, across, along);
     for (int i = 0; i < 2; ++i) {
         const double floor = FRICTION_LEAST_LENGTH * FRICTION_LEAST_LENGTH;
         reach[i] = taylor_multiply(stiffness, length, i);
         top[i] = taylor_multiply(reach, limit, i);
         square[i] = taylor_multiply(limit, limit, i) + floor * taylor_multiply(reach, reach, i);
-        along[i] = jet_dot(path->slip, unit, i);
-        across[i] = vec3_sub(path->slip[i], jet_scale(along, unit, i));
         factor[i] = reach[0] > 0.0 && square[0] > 0.0 ? taylor_divide(top, square, factor, i) : 0.0;
     }
     return jet_scale(factor, across, 1);
@@ -181,10 +180,9 @@ void opposed_laid_terms(enum opposed part, int terms, const struct vec3 a[JET_TE
                         const struct vec3 normal[JET_TERMS], struct vec3 laid[JET_TERMS])
 {
     double along[JET_TERMS];
-    for (int i = 0; i < terms; ++i) {
-        along[i] = jet_dot(a, normal, i);
-        const struct vec3 spinning = jet_scale(along, normal, i);
-        laid[i] = part == OPPOSED_SPINNING ? spinning : vec3_sub(a[i], spinning);
+    jet_across(terms, a, normal, laid, along);
+    for (int i = 0; part == OPPOSED_SPINNING && i < terms; ++i) {
+        laid[i] = jet_scale(along, normal, i);
     }
 }
 
@@ -207,11 +205,11 @@ void friction_stored_terms(const struct friction_law *law, enum friction_regime 
     double square[JET_TERMS]; /* xi^2, or L^2 */
     double twice[JET_TERMS];
     const bool slides = regime == FRICTION_SLIDING || regime == FRICTION_CAPPED;
+    const bool is_limit = slides && law->damping == 0.0; /* the spring is L / k_t long */
     memset(stored, 0, JET_TERMS * sizeof *stored);
     if (law->kind != FRICTION_ELASTIC) {
         return;
     }
-    const bool is_limit = slides && law->damping == 0.0; /* the spring is L / k_t long */
     put_limit(law, regime, path, limit);
     put_stiffness(law, path, stiffness);
     for (int i = 0; i < JET_TERMS; ++i) {

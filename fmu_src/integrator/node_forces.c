@@ -7,39 +7,43 @@
 #include "math/nodes.h"
 #include "scene/evaluate.h"
 
-/* Unknowns of a contact that rubs: its force, and if it resists rolling or spinning also the torque M of
- * that resistance. Without friction there is one unknown, because the force has one direction; there are
- * three if that direction turns much in the step (SWINGING). */
-enum { ROWS = 3, ROWS_WITHOUT_FRICTION = 1, MOST_ROWS = OPPOSED > 1 ? 6 : ROWS };
+/* The unknowns of a contact are the loads on its source: the force, and where it resists rolling or spinning
+ * also the torque M of that resistance. A contact that rubs has ROWS unknowns for each. Without friction
+ * there is one unknown, because the force has one direction; there are three if that direction turns much in
+ * the step (SWINGING). */
+enum { LOADS = OPPOSED > 1 ? 2 : 1, ROWS = 3, ROWS_WITHOUT_FRICTION = 1, MOST_ROWS = LOADS * ROWS };
 
 /* Without friction there is room for so many unknowns at twelve stages, and for all three at eight. */
 enum { ROWS_WHERE_IT_SWINGS = 2 };
 
-/* One contact at one stage. U is the velocity of the source at the point of contact less that of the
- * destination [m/s]; X is its integral [m]. The first three rows of the response are those of the force, and
- * each changes by `by_force` dF + `by_velocity` dU + `by_place` dX. The last three are those of the torque,
- * and each changes by `by_force` dF + `by_torque` dM + `by_spin` domega. Where the contact has one unknown,
- * there is one row, and dF has the direction `push`. Rows with a spring change by `by_spring` dxi as well;
- * `by_drive` is their change by the drive of the spring (friction_spring_drive_of).
+/* How the responses of a contact change with a torque on one of its bodies, divided by 1/I_1 of the body. The
+ * torque changes the motion, the place X, and the drives of springs. */
+struct turned_rows {
+    struct vec3 by_motion[MOST_ROWS], by_place[ROWS], by_drive[OPPOSED][ROWS];
+};
+
+/* One contact at one stage. The motion of the source against the destination is the velocity U at the point
+ * of contact and the angular velocity omega [m/s, rad/s]; X is the integral of U [m]. Each load has ROWS rows
+ * of the response: those of the force change by `by_force` dF + `by_motion` dU + `by_place` dX, those of the
+ * torque by `by_force` dF + `by_torque` dM + `by_motion` domega. Where the contact has one unknown, there is
+ * one row, and dF has the direction `push`. Rows with a spring change by `by_spring` dxi as well; `by_drive`
+ * is their change by the drive of the spring (friction_spring_drive_of).
  *
  * A displacement dD of the source's centre against the destination's turns n, by which the rows of the force
  * change by `by_swing` dD. */
 struct node {
-    struct vec3 force;      /* on the source: the unknown [N] */
-    struct vec3 torque;     /* of the resistance, on the source: the unknown [N m] */
-    struct vec3 more_force; /* their last corrections */
-    struct vec3 more_torque;
+    struct vec3 load[LOADS];    /* on the source: the unknowns [N, N m] */
+    struct vec3 more[LOADS];    /* their last corrections */
     struct vec3 push;           /* unit vector of a normal force on the source that pushes it away [1] */
     struct vec3 arm[2];         /* from the centres of source and destination to the point of contact [m] */
-    double response[MOST_ROWS]; /* how far force and torque are from their laws [m/s, rad/s] */
-    bool rolls[OPPOSED];        /* form of the response of friction (friction_response_of) */
+    double response[MOST_ROWS]; /* how far the loads are from their laws [m/s, rad/s] */
+    bool rolls[OPPOSED];        /* form of the response of friction (friction_missed) */
     double steepness[OPPOSED];  /* of that response where the slopes were taken */
-    struct vec3 by_force[MOST_ROWS], by_velocity[MOST_ROWS], by_place[ROWS];
-    struct vec3 by_swing[ROWS];
-    struct vec3 by_torque[ROWS], by_spin[ROWS];
+    struct vec3 by_force[MOST_ROWS], by_motion[MOST_ROWS], by_torque[ROWS], by_place[ROWS], by_swing[ROWS];
     struct vec3 offset[2]; /* from the centres of the bodies to those of their parts in touch [m] */
     struct vec3 by_spring[OPPOSED][ROWS], by_drive[OPPOSED][ROWS];
     struct friction_spring_drive drive[OPPOSED];
+    struct turned_rows turned[2]; /* of source and destination */
 };
 
 /* One spring of a contact at all stages. Linearized, it changes by dxi_i = sum `filter`_ij (rho_j + S dz_j).
@@ -49,12 +53,6 @@ struct node {
 struct node_spring {
     bool is_there, is_force;
     double filter[RADAU_MOST_STAGES * RADAU_MOST_STAGES], weight[RADAU_MOST_STAGES * RADAU_MOST_STAGES];
-};
-
-/* How easily a body moves: 1/m [1/kg] and 1/I_1 [1/(kg m^2)]. Both are zero for a body that is not free. */
-struct mobility {
-    bool moves;
-    double by_mass, by_inertia;
 };
 
 /* The symmetric matrix, by rows, that gives the angular velocity of a body from its L/I_1. */
@@ -67,18 +65,29 @@ static inline struct vec3 rotated_by(const struct rotation_by_spin *m, struct ve
     return vec3_make(vec3_dot(m->row[0], spin), vec3_dot(m->row[1], spin), vec3_dot(m->row[2], spin));
 }
 
-/* A contact that transmits forces. `body`, `speed` and `spin` are its bodies, source first, and the indices
- * of their velocities and spins among the states that are no positions; -1 stands where a body has none. */
+/* A body: the indices of its velocity and spin among the states that are no positions, where -1 stands for
+ * none; 1/m [1/kg] and 1/I_1 [1/(kg m^2)], which are zero for a body that is not free. */
+struct node_body {
+    int speed, spin;
+    double by_mass, by_inertia;
+    struct rotation_by_spin rotation[RADAU_MOST_STAGES];
+};
+
+/* A contact that transmits forces. */
 struct node_contact {
     int contact;
-    int body[2], speed[2], spin[2];
+    int body[2];  /* source and destination */
     int rows;     /* number of its unknowns at a stage */
+    int loads;    /* number of its loads */
     bool rubs;    /* whether it has friction */
     bool springs; /* whether it has a spring */
     int island;   /* its number: contacts of an island stand together */
     int first;    /* sum of the rows of the contacts before it */
     double side;  /* +1: the source is outside the destination, -1: inside */
     struct turning_laws laws;
+    /* of each load: the scale of its response [m/(N s), rad/(N m s)], and whether it moves a body */
+    double admittance[2];
+    bool is_felt[2];
 };
 
 /* The source gets the force of a contact, the destination the opposite one. */
@@ -96,11 +105,8 @@ struct iteration {
     struct node_contact contact[SCENE_CONTACTS];
     struct node node[RADAU_MOST_STAGES][SCENE_CONTACTS];
     struct normals normals[SCENE_CONTACTS];
-    /* scales of the responses that are forces [m/(N s)], and of those that are torques [rad/(N m s)] */
-    double admittance[SCENE_CONTACTS], turning_admittance[SCENE_CONTACTS];
     struct node_spring spring[1 + SCENE_ANY_SPRINGS * (SCENE_CONTACTS - 1)][OPPOSED];
-    struct mobility mobility[SCENE_BODIES];
-    struct rotation_by_spin rotation[RADAU_MOST_STAGES][SCENE_BODIES];
+    struct node_body body[SCENE_BODIES];
     bool has_springs; /* whether a contact has springs */
     bool stale;       /* whether the slopes of a contact that rolls have changed by more than STALE */
     int factorizations;
@@ -121,6 +127,18 @@ static inline int unknown_of(const struct iteration *it, int contact, int stage)
     return it->g->step.stages->stages * c->first + stage * c->rows;
 }
 
+/* Returns the index of the load that opposes a motion: the force opposes the slip. */
+static inline int load_of(int part)
+{
+    return part == OPPOSED_SLIP ? 0 : LOADS - 1;
+}
+
+/* Returns the index of a spring of a contact among the states that are no positions. */
+static inline int index_of_spring(const struct iteration *it, int contact, int part)
+{
+    return it->g->step.among[it->g->ode.layout.spring[it->contact[contact].contact][part]];
+}
+
 static struct rotation_by_spin rotation_of(const struct scene_values *v, int body,
                                            struct quaternion orientation)
 {
@@ -132,21 +150,26 @@ static struct rotation_by_spin rotation_of(const struct scene_values *v, int bod
     return to;
 }
 
+static inline bool moves(const struct iteration *it, int body)
+{
+    return it->body[body].by_mass > 0.0 || it->body[body].by_inertia > 0.0;
+}
+
 static void prepare_bodies(struct iteration *it)
 {
     const struct scene_values *v = it->g->ode.values;
-    it->has_springs = false;
+    const struct ode_layout *layout = &it->g->ode.layout;
+    const int *among = it->g->step.among;
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        struct mobility *to = &it->mobility[i];
-        *to = (struct mobility){.by_mass = body_inverse_mass(v, i)};
-        if (body_turns_freely(v, i)) {
-            to->by_inertia = 1.0 / body_inertia_of(v, i).x;
-            it->rotation[0][i] = rotation_of(v, i, it->g->state->turning.body[i].orientation);
-            for (int stage = 1; stage < RADAU_MOST_STAGES; ++stage) {
-                it->rotation[stage][i] = it->rotation[0][i];
-            }
+        struct node_body *to = &it->body[i];
+        to->speed = layout->body[i] >= 0 ? among[layout->body[i] + 3] : -1;
+        to->spin = layout->spin[i] >= 0 ? among[layout->spin[i]] : -1;
+        to->by_mass = body_inverse_mass(v, i);
+        to->by_inertia = body_turns_freely(v, i) ? 1.0 / body_inertia_of(v, i).x : 0.0;
+        for (int stage = 0; to->by_inertia > 0.0 && stage < RADAU_MOST_STAGES; ++stage) {
+            to->rotation[stage] =
+                stage > 0 ? to->rotation[0] : rotation_of(v, i, it->g->state->turning.body[i].orientation);
         }
-        to->moves = to->by_mass > 0.0 || to->by_inertia > 0.0;
     }
 }
 
@@ -190,10 +213,15 @@ static int rows_of(const struct general *g, int contact, double length)
 static void note_node_contact(struct iteration *it, int contact, double length)
 {
     const struct scene_values *v = it->g->ode.values;
+    const int bodies[2] = {contact_source(contact), contact_destination(contact)};
+    const double by_inertia = it->body[bodies[0]].by_inertia + it->body[bodies[1]].by_inertia;
+    const double square = contact_source_radius(v, contact) * contact_source_radius(v, contact);
     double by_mass = scene_inverse_mass(v, contact);
     struct node_contact *to = &it->contact[it->contacts];
+    memcpy(to->body, bodies, sizeof bodies);
     to->contact = contact;
     to->rows = rows_of(it->g, contact, length);
+    to->loads = SCENE_ANY_ROLLING && to->rows == MOST_ROWS ? LOADS : 1;
     to->rubs = contact_rubs(v, contact);
     to->springs = contact_has_springs(v, contact);
     it->has_springs = it->has_springs || to->springs;
@@ -201,20 +229,11 @@ static void note_node_contact(struct iteration *it, int contact, double length)
     to->first = it->rows;
     to->laws = turning_laws_of(it->g->state, contact);
     to->side = scene_contact_side(it->g->state, contact);
-    double by_inertia = 0.0;
-    for (int end = 0; end < 2; ++end) {
-        const int body = end == 0 ? contact_source(contact) : contact_destination(contact);
-        const struct ode_layout *layout = &it->g->ode.layout;
-        to->body[end] = body;
-        to->spin[end] = layout->spin[body] >= 0 ? it->g->step.among[layout->spin[body]] : -1;
-        to->speed[end] = layout->body[body] >= 0 ? it->g->step.among[layout->body[body] + 3] : -1;
-        by_inertia += it->mobility[body].by_inertia;
-    }
-    /* where neither body is free, any scale serves */
-    by_mass = by_mass > 0.0 || by_inertia > 0.0 ? by_mass : 1.0;
-    const double square = contact_source_radius(v, contact) * contact_source_radius(v, contact);
-    it->admittance[it->contacts] = length * (by_mass > 0.0 ? by_mass : by_inertia * square);
-    it->turning_admittance[it->contacts] = length * (by_inertia > 0.0 ? by_inertia : by_mass / square);
+    to->is_felt[0] = by_mass > 0.0 || by_inertia > 0.0;
+    to->is_felt[1] = by_inertia > 0.0;
+    by_mass = to->is_felt[0] ? by_mass : 1.0; /* where neither body is free, any scale serves */
+    to->admittance[0] = length * (by_mass > 0.0 ? by_mass : by_inertia * square);
+    to->admittance[1] = length * (by_inertia > 0.0 ? by_inertia : by_mass / square);
     it->contacts += 1;
     it->rows += to->rows;
 }
@@ -224,10 +243,10 @@ static void note_node_contact(struct iteration *it, int contact, double length)
 static void note_contacts(struct iteration *it)
 {
     it->contacts = it->rows = 0;
+    it->has_springs = false;
     for (int k = 0; k < 2 * it->g->ode.layout.groups; ++k) {
         for (int j = 0; j < SCENE_CONTACTS; ++j) {
-            const bool both =
-                it->mobility[contact_source(j)].moves && it->mobility[contact_destination(j)].moves;
+            const bool both = moves(it, contact_source(j)) && moves(it, contact_destination(j));
             if (it->g->ode.layout.island[j] == k / 2 && both == (k % 2 == 1) &&
                 contact_transmits(it->g->state, j)) {
                 note_node_contact(it, j, it->g->step.length);
@@ -256,19 +275,11 @@ static void prepare(struct iteration *it)
     }
 }
 
-/* Returns the change of a spring's rate by a change dz of the spring's drive. */
-static struct vec3 driven_by(const struct friction_spring_drive *drive, struct vec3 dz)
-{
-    const double along = (drive->along - drive->across) * vec3_dot(drive->unit, dz);
-    return vec3_axpy(vec3_scale(drive->across, dz), along, drive->unit);
-}
-
 /* Writes the rows of along e e^T plus those of a matrix that acts across e. */
-static void put_rows(struct vec3 to[3], double across[3][3], double along, struct vec3 e)
+static void put_rows(struct vec3 to[3], const struct vec3 across[3], double along, struct vec3 e)
 {
     for (int i = 0; i < 3; ++i) {
-        const struct vec3 row = vec3_from(across[i]);
-        to[i] = vec3_axpy(row, along * vec3_get(e, i) - vec3_dot(row, e), e);
+        to[i] = vec3_axpy(across[i], along * vec3_get(e, i) - vec3_dot(across[i], e), e);
     }
 }
 
@@ -279,12 +290,12 @@ static void respond_along_normal(struct iteration *it, int stage, int index, con
 {
     const struct node_contact *c = &it->contact[index];
     struct node *node = &it->node[stage][index];
-    const double a = it->admittance[index];
+    const double a = c->admittance[0];
     const struct vec3 e = vec3_scale(c->side, g->normal);
-    const double normal_force = -vec3_dot(node->force, e);
+    const double normal_force = -vec3_dot(node->load[0], e);
     const double by_law = contact_force(&c->laws.normal, c->laws.regime, g->gap, g->gap_rate);
     node->push = vec3_scale(-1.0, e);
-    node->force = vec3_scale(normal_force, node->push);
+    node->load[0] = vec3_scale(normal_force, node->push);
     node->response[0] = a * (by_law - normal_force);
     if (anew) {
         struct normals *to = &it->normals[index];
@@ -296,52 +307,47 @@ static void respond_along_normal(struct iteration *it, int stage, int index, con
         to->by_rate[stage] = a * slopes.by_rate; /* g' = -e.U */
         to->by_gap[stage] = a * slopes.by_gap;
         node->by_force[0] = vec3_scale(a, e);
-        node->by_velocity[0] = vec3_scale(-a * slopes.by_rate, e);
+        node->by_motion[0] = vec3_scale(-a * slopes.by_rate, e);
         node->by_place[0] = vec3_scale(-a * slopes.by_gap, e);
     }
 }
 
-/* Sets the rate of a spring and, if `slopes` is not NULL, how the response of its part changes with the
+/* Sets the rate of a spring and, if `slopes` is not NULL, how the response of its load changes with the
  * spring and with its drive. */
 static void respond_with_spring(struct iteration *it, int stage, int index, int part,
                                 const struct scene_instant *at, struct friction_state rubbing,
-                                struct vec3 opposing, const struct friction_response *slopes)
+                                struct vec3 opposing, const struct friction_slopes *slopes)
 {
     const struct node_contact *c = &it->contact[index];
     const struct friction_law *law = &c->laws.rubbing[part];
     const enum friction_regime regime = c->laws.rubbing_regime[part];
     const struct vec3 n = at->geometry[c->contact].normal;
-    const struct scene_ode *ode = &it->g->ode;
     struct node *node = &it->node[stage][index];
-    const int state = ode->layout.spring[c->contact][part];
     if (slopes) {
-        const struct friction_spring_drive drive = friction_spring_drive_of(law, regime, rubbing);
-        node->drive[part] = drive;
+        node->drive[part] = friction_spring_drive_of(law, regime, rubbing);
         for (int r = 0; r < ROWS; ++r) {
-            const struct vec3 by = opposed_laid((enum opposed)part, vec3_from(slopes->by_spring[r]), n);
+            const struct vec3 by = opposed_laid((enum opposed)part, slopes->by_spring[r], n);
             node->by_spring[part][r] = by;
-            node->by_drive[part][r] = driven_by(&drive, by);
+            node->by_drive[part][r] = friction_driven(&node->drive[part], by);
         }
     }
     const struct vec3 turned =
         opposed_turned((enum opposed)part, rubbing.spring, n, turning_normal_rate(at, c->contact));
     vec3_to(vec3_add(friction_spring_rate(law, regime, rubbing, opposing), turned),
-            it->g->step.rates + stage * it->g->step.width + it->g->step.among[state]);
+            it->g->step.rates + stage * it->g->step.width + index_of_spring(it, index, part));
 }
 
 /* Returns how far an opposed motion of a contact is from its law, and if `slopes` is not NULL the derivatives
- * of that. `opposing` is the part of the force or of the torque that opposes the motion. */
+ * of that. `opposing` is the part of the load that opposes the motion. */
 static struct vec3 respond_opposed(struct iteration *it, int stage, int index, int part,
                                    const struct scene_instant *at, double normal_force, struct vec3 *opposing,
-                                   struct friction_response *slopes)
+                                   struct friction_slopes *slopes)
 {
     const struct node_contact *c = &it->contact[index];
     const struct friction_law *law = &c->laws.rubbing[part];
     const enum friction_regime regime = c->laws.rubbing_regime[part];
     const int spring = it->g->ode.layout.spring[c->contact][part];
-    const double a = part == OPPOSED_SLIP ? it->admittance[index] : it->turning_admittance[index];
-    const bool pushes = part == OPPOSED_SLIP && (c->speed[0] >= 0 || c->speed[1] >= 0);
-    const bool felt = pushes || c->spin[0] >= 0 || c->spin[1] >= 0; /* by a free body */
+    const double a = c->admittance[load_of(part)];
     struct node *node = &it->node[stage][index];
     struct friction_state rubbing = turning_rubbing(at, c->contact, part);
     rubbing.normal_force = normal_force;
@@ -349,17 +355,16 @@ static struct vec3 respond_opposed(struct iteration *it, int stage, int index, i
         rubbing.spring = opposed_laid((enum opposed)part, rubbing.spring, at->geometry[c->contact].normal);
     }
     if (slopes) {
-        node->rolls[part] = felt && friction_rolls(law, regime, normal_force, *opposing, a);
+        node->rolls[part] =
+            c->is_felt[load_of(part)] && friction_rolls(law, regime, normal_force, *opposing, a);
     }
     const struct friction_missed missed =
-        friction_missed(law, regime, rubbing, opposing, node->rolls[part], a);
+        friction_missed(law, regime, rubbing, opposing, node->rolls[part], a, slopes);
     if (slopes) {
         node->steepness[part] = missed.steepness;
-        *slopes = friction_response_of(law, regime, rubbing, *opposing, node->rolls[part], a);
-    } else {
-        const double ratio = missed.steepness / node->steepness[part];
-        it->stale = it->stale || (node->rolls[part] && !(ratio < STALE && ratio * STALE > 1.0));
     }
+    const double ratio = missed.steepness / node->steepness[part];
+    it->stale = it->stale || (node->rolls[part] && !(ratio < STALE && ratio * STALE > 1.0));
     if (SCENE_ANY_SPRINGS && spring >= 0) {
         respond_with_spring(it, stage, index, part, at, rubbing, *opposing, slopes);
     }
@@ -372,27 +377,28 @@ static void respond_with_resistance(struct iteration *it, int stage, int index,
                                     bool anew)
 {
     struct node *node = &it->node[stage][index];
-    struct friction_response slopes[2];
-    struct vec3 opposing[2];
+    struct vec3 torque = {0.0, 0.0, 0.0};
     struct vec3 missed = {0.0, 0.0, 0.0};
-    for (int i = 0; i < 2; ++i) {
-        const int part = OPPOSED_ROLLING + i;
-        opposing[i] = opposed_laid((enum opposed)part, node->torque, e);
-        missed = vec3_add(missed, respond_opposed(it, stage, index, part, at, normal_force, &opposing[i],
-                                                  anew ? &slopes[i] : NULL));
+    memset(node->by_torque, 0, anew ? sizeof node->by_torque : 0);
+    memset(node->by_force + ROWS, 0, anew ? sizeof node->by_torque : 0);
+    memset(node->by_motion + ROWS, 0, anew ? sizeof node->by_torque : 0);
+    for (int part = OPPOSED_ROLLING; part < OPPOSED; ++part) {
+        struct friction_slopes by;
+        struct vec3 opposing = opposed_laid((enum opposed)part, node->load[LOADS - 1], e);
+        missed = vec3_add(
+            missed, respond_opposed(it, stage, index, part, at, normal_force, &opposing, anew ? &by : NULL));
+        torque = vec3_add(torque, opposing);
+        for (int i = 0; anew && i < ROWS; ++i) {
+            const struct vec3 by_torque = opposed_laid((enum opposed)part, by.by_force[i], e);
+            const struct vec3 by_spin = opposed_laid((enum opposed)part, by.by_slip[i], e);
+            struct vec3 *by_force = &node->by_force[ROWS + i];
+            node->by_torque[i] = vec3_add(node->by_torque[i], by_torque);
+            node->by_motion[ROWS + i] = vec3_add(node->by_motion[ROWS + i], by_spin);
+            *by_force = vec3_axpy(*by_force, -vec3_get(by.by_normal_force, i), e);
+        }
     }
-    node->torque = vec3_add(opposing[0], opposing[1]);
+    node->load[LOADS - 1] = torque;
     vec3_to(missed, node->response + ROWS);
-    for (int i = 0; anew && i < ROWS; ++i) {
-        const double by_normal_force =
-            vec3_get(vec3_add(slopes[0].by_normal_force, slopes[1].by_normal_force), i);
-        node->by_force[ROWS + i] = vec3_scale(-by_normal_force, e);
-        node->by_torque[i] = vec3_add(opposed_laid(OPPOSED_ROLLING, vec3_from(slopes[0].by_force[i]), e),
-                                      opposed_laid(OPPOSED_SPINNING, vec3_from(slopes[1].by_force[i]), e));
-        node->by_spin[i] = vec3_add(opposed_laid(OPPOSED_ROLLING, vec3_from(slopes[0].by_slip[i]), e),
-                                    opposed_laid(OPPOSED_SPINNING, vec3_from(slopes[1].by_slip[i]), e));
-        node->by_velocity[ROWS + i] = vec3_make(0.0, 0.0, 0.0);
-    }
 }
 
 /* Sets how the rows of the force change as the centres of the bodies move and n turns. `by_normal` are the
@@ -413,8 +419,8 @@ static void put_swing(struct iteration *it, int stage, int index, const struct s
         if (SCENE_ANY_TURNING && scene_turns(it->g->ode.values)) {
             const struct vec3 rotation = at->turning.body[c->body[1]].angular_velocity;
             const struct vec3 spin = vec3_sub(at->turning.body[c->body[0]].angular_velocity, rotation);
-            by_turn = vec3_axpy(by_turn, shape.source_radius, vec3_cross(node->by_velocity[r], spin));
-            by_arms = vec3_cross(rotation, node->by_velocity[r]);
+            by_turn = vec3_axpy(by_turn, shape.source_radius, vec3_cross(node->by_motion[r], spin));
+            by_arms = vec3_cross(rotation, node->by_motion[r]);
         }
         node->by_swing[r] = vec3_axpy(by_arms, turns, contact_turning_part(&shape, g, by_turn));
     }
@@ -435,11 +441,11 @@ CONTACT_NOT_FUSED CONTACT_FLATTEN static void respond_as_a_whole(struct iteratio
     struct node *node = &it->node[stage][index];
     struct vec3 by_normal[ROWS];
     const double by_law = contact_force(&laws->normal, laws->regime, g->gap, g->gap_rate);
-    const double a = it->admittance[index];
-    struct friction_response friction = {.by_force = {{a, 0.0, 0.0}, {0.0, a, 0.0}, {0.0, 0.0, a}}};
+    const double a = c->admittance[0];
+    struct friction_slopes friction = {.by_force = {{.x = a}, {.y = a}, {.z = a}}};
     const struct vec3 e = vec3_scale(c->side, g->normal);
-    const double normal_force = -vec3_dot(node->force, e);
-    struct vec3 tangential = vec3_axpy(node->force, normal_force, e);
+    const double normal_force = -vec3_dot(node->load[0], e);
+    struct vec3 tangential = vec3_axpy(node->load[0], normal_force, e);
     if (SCENE_ANY_SPRINGS && anew && c->springs) { /* of the parts that have no spring */
         memset(node->by_spring, 0, sizeof node->by_spring);
         memset(node->by_drive, 0, sizeof node->by_drive);
@@ -449,9 +455,9 @@ CONTACT_NOT_FUSED CONTACT_FLATTEN static void respond_as_a_whole(struct iteratio
         missed = respond_opposed(it, stage, index, OPPOSED_SLIP, at, normal_force, &tangential,
                                  anew ? &friction : NULL);
     }
-    node->force = vec3_axpy(tangential, -normal_force, e);
+    node->load[0] = vec3_axpy(tangential, -normal_force, e);
     vec3_to(vec3_axpy(missed, a * (by_law - normal_force), e), node->response);
-    if (SCENE_ANY_ROLLING && c->rows == MOST_ROWS) {
+    if (SCENE_ANY_ROLLING && c->loads > 1) {
         respond_with_resistance(it, stage, index, at, normal_force, e, anew);
     }
     if (!anew) {
@@ -463,13 +469,13 @@ CONTACT_NOT_FUSED CONTACT_FLATTEN static void respond_as_a_whole(struct iteratio
                                  ? at->turning.slip[c->contact]
                                  : vec3_scale(-1.0, at->rate[c->contact]);
     put_rows(node->by_force, friction.by_force, a, e);
-    put_rows(node->by_velocity, friction.by_slip, -a * slopes.by_rate, e); /* g' = -e.U */
+    put_rows(node->by_motion, friction.by_slip, -a * slopes.by_rate, e); /* g' = -e.U */
     for (int i = 0; i < ROWS; ++i) {
         const double along = a * vec3_get(e, i);
         node->by_force[i] = vec3_axpy(node->by_force[i], -vec3_get(friction.by_normal_force, i), e);
         node->by_place[i] = vec3_scale(-along * slopes.by_gap, e);
         by_normal[i] =
-            vec3_axpy(vec3_scale(normal_force, node->by_force[i]), g->gap_rate, node->by_velocity[i]);
+            vec3_axpy(vec3_scale(normal_force, node->by_force[i]), g->gap_rate, node->by_motion[i]);
         by_normal[i] = vec3_axpy(by_normal[i], along - vec3_get(friction.by_normal_force, i), tangential);
         by_normal[i] = vec3_axpy(by_normal[i], -along * slopes.by_rate, slip);
     }
@@ -479,7 +485,8 @@ CONTACT_NOT_FUSED CONTACT_FLATTEN static void respond_as_a_whole(struct iteratio
         const double stiffening = friction_stiffening(&laws->rubbing[OPPOSED_SLIP], -g->gap);
         const struct vec3 xi = vec3_scale(stiffening, vec3_from(it->g->step.point + spring));
         for (int i = 0; i < ROWS; ++i) {
-            node->by_place[i] = vec3_axpy(node->by_place[i], vec3_dot(node->by_spring[0][i], xi), e);
+            node->by_place[i] =
+                vec3_axpy(node->by_place[i], vec3_dot(node->by_spring[OPPOSED_SLIP][i], xi), e);
         }
     }
 }
@@ -503,7 +510,7 @@ static void put_orientation_rates(struct iteration *it, int stage, const struct 
             const struct quaternion given = quaternion_from(it->g->step.point + k);
             quaternion_to(quaternion_rate(given, at->turning.body[i].angular_velocity),
                           it->g->step.rates + stage * it->g->step.width + it->g->step.among[k]);
-            it->rotation[stage][i] = rotation_of(it->g->ode.values, i, at->turning.body[i].orientation);
+            it->body[i].rotation[stage] = rotation_of(it->g->ode.values, i, at->turning.body[i].orientation);
         }
     }
 }
@@ -537,15 +544,45 @@ static void prepare_spring(struct iteration *it, int contact, int part)
         }
         lu_solve(matrix, side);
         for (int i = 0; i < s; ++i) {
-            to->filter[i * s + j] = to->weight[i * s + j] = side[i];
+            to->filter[i * s + j] = side[i];
         }
     }
-    for (int k = 0; k < s * s && !to->is_force; ++k) {
+    for (int k = 0; k < s * s; ++k) {
         double sum = 0.0;
         for (int l = 0; l < s; ++l) {
             sum += to->filter[k / s * s + l] * integral[l * s + k % s];
         }
-        to->weight[k] = p->length * sum;
+        to->weight[k] = to->is_force ? to->filter[k] : p->length * sum;
+    }
+}
+
+/* Sets how the responses of a contact change with torques on its bodies. A torque M turns a body by J^-1 M,
+ * which moves the contact by J^-1 M x arm. */
+static void put_turned_rows(struct iteration *it, int stage, int contact)
+{
+    const struct node_contact *c = &it->contact[contact];
+    struct node *node = &it->node[stage][contact];
+    for (int end = 0; end < 2; ++end) {
+        const struct node_body *body = &it->body[c->body[end]];
+        const struct rotation_by_spin *rotation = &body->rotation[stage];
+        const struct vec3 arm = node->arm[end];
+        struct turned_rows *to = &node->turned[end];
+        for (int r = 0; body->spin >= 0 && r < c->rows; ++r) {
+            const struct vec3 by = node->by_motion[r];
+            to->by_motion[r] = rotated_by(rotation, r < ROWS ? vec3_cross(arm, by) : by);
+        }
+        for (int r = 0; body->spin >= 0 && r < ROWS && r < c->rows; ++r) {
+            struct vec3 by = vec3_cross(arm, node->by_place[r]);
+            if (SCENE_ANY_COMPOUND && c->rows >= ROWS) {
+                by = vec3_add(by, vec3_cross(node->offset[end], node->by_swing[r]));
+            }
+            to->by_place[r] = rotated_by(rotation, by);
+            for (int part = 0; SCENE_ANY_SPRINGS && c->springs && part < OPPOSED; ++part) {
+                const struct vec3 drive = node->by_drive[part][r];
+                to->by_drive[part][r] =
+                    rotated_by(rotation, part == OPPOSED_SLIP ? vec3_cross(arm, drive) : drive);
+            }
+        }
     }
 }
 
@@ -554,26 +591,31 @@ static void evaluate_nodes(struct iteration *it, bool anew)
 {
     struct radau_step *p = &it->g->step;
     const int s = p->stages->stages;
+    const bool turns = SCENE_ANY_TURNING && scene_turns(it->g->ode.values);
     memcpy(p->rates, p->bare, (size_t)(s * p->width) * sizeof *p->rates);
     it->stale = false;
     for (int i = 0; i < s; ++i) {
         const struct scene_instant *at = move_to_stage(it, i, false);
         put_orientation_rates(it, i, at);
         for (int j = 0; j < it->contacts; ++j) {
-            const int contact = it->contact[j].contact;
+            const struct node_contact *c = &it->contact[j];
             struct node *node = &it->node[i][j];
-            node->more_force = node->more_torque = vec3_make(0.0, 0.0, 0.0);
-            if (scene_turns(it->g->ode.values)) {
-                node->arm[0] = at->turning.source_arm[contact];
-                node->arm[1] = at->turning.destination_arm[contact];
+            memset(node->more, 0, sizeof node->more);
+            if (turns) {
+                node->arm[0] = at->turning.source_arm[c->contact];
+                node->arm[1] = at->turning.destination_arm[c->contact];
             }
-            if (SCENE_ANY_ROLLING && it->contact[j].rows == MOST_ROWS && p->iterations == 1) {
-                node->torque = vec3_sub(node->torque, vec3_cross(node->arm[0], node->force));
+            if (SCENE_ANY_ROLLING && c->loads > 1 && p->iterations == 1) {
+                struct vec3 *torque = &node->load[LOADS - 1];
+                *torque = vec3_sub(*torque, vec3_cross(node->arm[0], node->load[0]));
             }
-            if ((SCENE_ANY_FRICTION || SCENE_ANY_CURVED) && it->contact[j].rows >= ROWS) {
+            if ((SCENE_ANY_FRICTION || SCENE_ANY_CURVED) && c->rows >= ROWS) {
                 respond_as_a_whole(it, i, j, at, anew);
             } else {
-                respond_along_normal(it, i, j, &at->geometry[contact], anew);
+                respond_along_normal(it, i, j, &at->geometry[c->contact], anew);
+            }
+            if (anew && turns) {
+                put_turned_rows(it, i, j);
             }
         }
     }
@@ -583,51 +625,50 @@ static void evaluate_nodes(struct iteration *it, bool anew)
     p->evaluations += s;
 }
 
-/* Adds a force of a contact and a torque of its resistance to the rates at a stage. */
-static void add_force(struct iteration *it, int stage, int contact, struct vec3 force, struct vec3 own_torque)
+/* Adds loads of a contact to the rates at a stage. */
+static void add_loads(struct iteration *it, int stage, int contact, const struct vec3 load[LOADS])
 {
     const struct node_contact *ends = &it->contact[contact];
     double *rates = it->g->step.rates + stage * it->g->step.width;
     for (int end = 0; end < 2; ++end) {
-        const struct mobility *m = &it->mobility[ends->body[end]];
-        if (ends->speed[end] >= 0) {
-            vec3_add_to(SIGN_OF_END[end] * m->by_mass, force, rates + ends->speed[end]);
+        const struct node_body *body = &it->body[ends->body[end]];
+        if (body->speed >= 0) {
+            vec3_add_to(SIGN_OF_END[end] * body->by_mass, load[0], rates + body->speed);
         }
-        if (ends->spin[end] >= 0) {
-            struct vec3 torque = vec3_cross(it->node[stage][contact].arm[end], force);
-            if (SCENE_ANY_ROLLING && ends->rows == MOST_ROWS) {
-                torque = vec3_add(torque, own_torque);
+        if (body->spin >= 0) {
+            struct vec3 torque = vec3_cross(it->node[stage][contact].arm[end], load[0]);
+            if (SCENE_ANY_ROLLING && ends->loads > 1) {
+                torque = vec3_add(torque, load[LOADS - 1]);
             }
-            vec3_add_to(SIGN_OF_END[end] * m->by_inertia, torque, rates + ends->spin[end]);
+            vec3_add_to(SIGN_OF_END[end] * body->by_inertia, torque, rates + body->spin);
         }
     }
 }
 
-/* The change of the motion of the source against the destination: the velocity of its centre, its angular
- * velocity omega as the destination sees it, and its velocity U at the point of contact (struct node). */
+/* The change of the motion of the source against the destination (struct node): the velocity of its centre;
+ * and for each load the motion that it opposes, U and omega. */
 struct motion_change {
-    struct vec3 centre, spin, point;
+    struct vec3 centre, opposed[2];
 };
 
 /* Returns that change at a stage. `change` holds the changes of all states but the places. */
 static inline struct motion_change motion_of(const struct iteration *it, int stage, int contact,
                                              const double *change)
 {
-    const struct node_contact *ends = &it->contact[contact];
-    struct motion_change sum = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+    struct motion_change sum = {.centre = {0.0, 0.0, 0.0}};
     for (int end = 0; end < 2; ++end) {
-        if (ends->speed[end] >= 0) {
-            sum.centre = vec3_axpy(sum.centre, SIGN_OF_END[end], vec3_from(change + ends->speed[end]));
+        const struct node_body *body = &it->body[it->contact[contact].body[end]];
+        if (body->speed >= 0) {
+            sum.centre = vec3_axpy(sum.centre, SIGN_OF_END[end], vec3_from(change + body->speed));
         }
-        if (ends->spin[end] >= 0) {
-            const struct vec3 turned =
-                rotated_by(&it->rotation[stage][ends->body[end]], vec3_from(change + ends->spin[end]));
+        if (body->spin >= 0) {
+            const struct vec3 turned = rotated_by(&body->rotation[stage], vec3_from(change + body->spin));
             const struct vec3 arm = it->node[stage][contact].arm[end];
-            sum.spin = vec3_axpy(sum.spin, SIGN_OF_END[end], turned);
-            sum.point = vec3_axpy(sum.point, SIGN_OF_END[end], vec3_cross(turned, arm));
+            sum.opposed[0] = vec3_axpy(sum.opposed[0], SIGN_OF_END[end], vec3_cross(turned, arm));
+            sum.opposed[1] = vec3_axpy(sum.opposed[1], SIGN_OF_END[end], turned);
         }
     }
-    sum.point = vec3_add(sum.point, sum.centre);
+    sum.opposed[0] = vec3_add(sum.opposed[0], sum.centre);
     return sum;
 }
 
@@ -656,9 +697,8 @@ static void follow_spin(struct iteration *it, int body, const double *pending)
     const int k = it->g->ode.layout.orientation[body];
     for (int stage = 0; stage < p->stages->stages; ++stage) {
         const struct quaternion q = it->g->at_stage[stage].turning.body[body].orientation;
-        const struct vec3 spin =
-            vec3_from(pending + stage * p->width + p->among[it->g->ode.layout.spin[body]]);
-        const struct quaternion rate = quaternion_rate(q, rotated_by(&it->rotation[stage][body], spin));
+        const struct vec3 spin = vec3_from(pending + stage * p->width + it->body[body].spin);
+        const struct quaternion rate = quaternion_rate(q, rotated_by(&it->body[body].rotation[stage], spin));
         double *to = p->rates + stage * p->width + p->among[k];
         to[0] += rate.w;
         vec3_add_to(1.0, quaternion_vector(rate), to + 1);
@@ -679,33 +719,22 @@ static struct vec3 part_of_spring(const struct iteration *it, int stage, int con
                         it->node[stage][contact].drive[part].unit);
 }
 
-/* Sets the changes of a spring's rate by its drive, where the states but the places change by `pending`. */
-static void drive_spring(const struct iteration *it, int contact, int part, const double *pending,
-                         struct spring_change *to)
-{
-    for (int i = 0; i < it->g->step.stages->stages; ++i) {
-        const struct node *node = &it->node[i][contact];
-        const struct motion_change moved = motion_of(it, i, contact, pending + i * it->g->step.width);
-        const struct vec3 n = it->g->at_stage[i].geometry[it->contact[contact].contact].normal;
-        const struct vec3 dz = it->spring[contact][part].is_force
-                                   ? (part == OPPOSED_SLIP ? node->more_force : node->more_torque)
-                               : part == OPPOSED_SLIP ? moved.point
-                                                      : moved.spin;
-        to->driven[i] = driven_by(&node->drive[part], opposed_laid((enum opposed)part, dz, n));
-    }
-}
-
+/* Returns the changes of a spring, where the states but the places change by `pending`. */
 static struct spring_change change_of_spring(const struct iteration *it, int contact, int part,
                                              const double *pending)
 {
     const struct radau_step *p = &it->g->step;
     const int s = p->stages->stages;
     const struct node_spring *spring = &it->spring[contact][part];
-    const int at = p->among[it->g->ode.layout.spring[it->contact[contact].contact][part]];
+    const int at = index_of_spring(it, contact, part);
     struct vec3 missed[RADAU_MOST_STAGES];
     struct spring_change to;
-    drive_spring(it, contact, part, pending, &to);
     for (int i = 0; i < s; ++i) {
+        const struct node *node = &it->node[i][contact];
+        const struct motion_change moved = motion_of(it, i, contact, pending + i * p->width);
+        const struct vec3 n = it->g->at_stage[i].geometry[it->contact[contact].contact].normal;
+        const struct vec3 dz = (spring->is_force ? node->more : moved.opposed)[load_of(part)];
+        to.driven[i] = friction_driven(&node->drive[part], opposed_laid((enum opposed)part, dz, n));
         missed[i] = vec3_add(to.driven[i], vec3_from(p->rates + i * p->width + at));
         for (int j = 0; j < s; ++j) {
             missed[i] = vec3_axpy(missed[i], -p->stages->inverse[i * s + j] / p->length,
@@ -723,15 +752,28 @@ static struct spring_change change_of_spring(const struct iteration *it, int con
     return to;
 }
 
-/* Adds to the rates of a spring the effect of the changes to come of the spring and of its drive. */
-static void follow_drive(struct iteration *it, int contact, int part, const double *pending)
+/* Adds the effects of the changes to come of springs and of their drives, where the states but the places
+ * change by p->scratch: to the responses or, once the forces are corrected, to the rates of the springs. */
+static void follow_springs(struct iteration *it, bool corrected)
 {
     const struct radau_step *p = &it->g->step;
-    const struct spring_change change = change_of_spring(it, contact, part, pending);
-    const int at = p->among[it->g->ode.layout.spring[it->contact[contact].contact][part]];
-    for (int i = 0; i < p->stages->stages; ++i) {
-        const double decay = it->node[i][contact].drive[part].decay;
-        vec3_add_to(1.0, vec3_axpy(change.driven[i], -decay, change.spring[i]), p->rates + i * p->width + at);
+    for (int k = 0; SCENE_ANY_SPRINGS && k < it->contacts * OPPOSED; ++k) {
+        const int contact = k / OPPOSED;
+        const int part = k % OPPOSED;
+        if (!it->spring[contact][part].is_there) {
+            continue;
+        }
+        const struct spring_change change = change_of_spring(it, contact, part, p->scratch);
+        for (int i = 0; i < p->stages->stages; ++i) {
+            struct node *node = &it->node[i][contact];
+            for (int r = 0; r < ROWS && !corrected; ++r) {
+                node->response[load_of(part) * ROWS + r] +=
+                    vec3_dot(node->by_spring[part][r], change.spring[i]);
+            }
+            const struct vec3 rate = vec3_axpy(change.driven[i], -node->drive[part].decay, change.spring[i]);
+            vec3_add_to(corrected ? 1.0 : 0.0, rate,
+                        p->rates + i * p->width + index_of_spring(it, contact, part));
+        }
     }
 }
 
@@ -743,34 +785,13 @@ static void move_others(struct iteration *it)
     const struct ode_layout *layout = &it->g->ode.layout;
     for (int i = 0; SCENE_ANY_TIPPING && i < SCENE_BODIES; ++i) {
         if (layout->orientation[i] >= 0 && layout->orientation[i] < layout->coupled) {
-            radau_step_pending(p, p->among[layout->spin[i]], 3, p->rates, p->scratch);
+            radau_step_pending(p, it->body[i].spin, 3, p->rates, p->scratch);
             follow_spin(it, i, p->scratch);
         }
     }
     if (it->has_springs) {
         radau_step_pending(p, 0, p->others, p->rates, p->scratch);
-    }
-    for (int k = 0; SCENE_ANY_SPRINGS && k < it->contacts * OPPOSED; ++k) {
-        if (it->spring[k / OPPOSED][k % OPPOSED].is_there) {
-            follow_drive(it, k / OPPOSED, k % OPPOSED, p->scratch);
-        }
-    }
-}
-
-/* Adds the changes of the responses by the changes to come of a spring. */
-static void add_pending_spring(struct iteration *it, int contact, int part)
-{
-    const struct radau_step *p = &it->g->step;
-    if (!it->spring[contact][part].is_there) {
-        return;
-    }
-    const struct spring_change change = change_of_spring(it, contact, part, p->scratch);
-    for (int i = 0; i < p->stages->stages; ++i) {
-        struct node *node = &it->node[i][contact];
-        for (int r = 0; r < ROWS; ++r) {
-            node->response[r + (part == OPPOSED_SLIP ? 0 : ROWS)] +=
-                vec3_dot(node->by_spring[part][r], change.spring[i]);
-        }
+        follow_springs(it, true);
     }
 }
 
@@ -791,7 +812,7 @@ static void add_pending_places(const struct iteration *it, int stage, int contac
     const double *more = p->more + stage * p->width;
     const struct motion_change moved = motion_of(it, stage, contact, more);
     const struct vec3 farther =
-        vec3_add(moved.point, turned_of(it, stage, contact, p->scratch + stage * p->width));
+        vec3_add(moved.opposed[0], turned_of(it, stage, contact, p->scratch + stage * p->width));
     const int rows = it->contact[contact].rows;
     for (int r = 0; r < ROWS && r < rows; ++r) {
         node->response[r] += vec3_dot(node->by_place[r], farther);
@@ -805,11 +826,8 @@ static inline void add_pending_motion(const struct iteration *it, int stage, int
     const double *to_come = it->g->step.scratch + stage * it->g->step.width;
     const struct motion_change faster = motion_of(it, stage, contact, to_come);
     const int rows = it->contact[contact].rows;
-    for (int r = 0; r < ROWS && r < rows; ++r) {
-        node->response[r] += vec3_dot(node->by_velocity[r], faster.point);
-    }
-    for (int r = ROWS; SCENE_ANY_ROLLING && r < rows; ++r) {
-        node->response[r] += vec3_dot(node->by_spin[r - ROWS], faster.spin);
+    for (int r = 0; r < rows; ++r) {
+        node->response[r] += vec3_dot(node->by_motion[r], faster.opposed[r < ROWS ? 0 : 1]);
     }
 }
 
@@ -822,7 +840,7 @@ CONTACT_FLATTEN static void add_pending(struct iteration *it)
     const int count = p->stages->stages * it->contacts;
     for (int k = 0; k < count; ++k) {
         const struct node *node = &it->node[k / it->contacts][k % it->contacts];
-        add_force(it, k / it->contacts, k % it->contacts, node->force, node->torque);
+        add_loads(it, k / it->contacts, k % it->contacts, node->load);
     }
     radau_step_pending(p, 0, p->others, p->rates, p->scratch);
     if (follows_places(it)) {
@@ -835,69 +853,35 @@ CONTACT_FLATTEN static void add_pending(struct iteration *it)
             add_pending_places(it, k / it->contacts, k % it->contacts, node);
         }
     }
-    for (int k = 0; SCENE_ANY_SPRINGS && k < it->contacts * OPPOSED; ++k) {
-        add_pending_spring(it, k / OPPOSED, k % OPPOSED);
-    }
+    follow_springs(it, false);
 }
 
-/* A body that two contacts share, and the ends of both contacts at which it is. */
-struct shared_body {
-    int body, end, other_end;
-    double by_mass, by_inertia; /* 1/m and 1/I_1, negative where the ends differ */
+/* The bodies that two contacts share: the sum of their 1/m, and of those that turn 1/I_1 and the ends of both
+ * contacts at which they are. 1/m and 1/I_1 are negative where the ends differ. */
+struct shared_bodies {
+    double by_mass;
+    int count; /* of those that turn */
+    int end[4], other_end[4];
+    double by_inertia[4];
 };
 
-static int shared_bodies(const struct iteration *it, int c, int d, struct shared_body list[4])
+static struct shared_bodies shared_bodies_of(const struct iteration *it, int c, int d)
 {
-    int count = 0;
+    struct shared_bodies shared = {.by_mass = 0.0};
     for (int k = 0; k < 4; ++k) {
-        const int body = it->contact[c].body[k / 2];
-        const struct mobility *m = &it->mobility[body];
-        const double sign = k / 2 == k % 2 ? 1.0 : -1.0;
-        if (body == it->contact[d].body[k % 2] && m->moves) {
-            list[count++] = (struct shared_body){body, k / 2, k % 2, sign * m->by_mass, sign * m->by_inertia};
+        const int end = k / 2;
+        const int other_end = k % 2;
+        const int body = it->contact[c].body[end];
+        const double sign = SIGN_OF_END[end] * SIGN_OF_END[other_end];
+        if (body == it->contact[d].body[other_end]) {
+            shared.by_mass += sign * it->body[body].by_mass;
+            shared.end[shared.count] = end;
+            shared.other_end[shared.count] = other_end;
+            shared.by_inertia[shared.count] = sign * it->body[body].by_inertia;
+            shared.count += it->body[body].by_inertia > 0.0;
         }
     }
-    return count;
-}
-
-/* How the responses of a contact at a stage change with a torque on a body that it shares. */
-struct turned_rows {
-    int other_end;
-    struct vec3 by_velocity[MOST_ROWS], by_place[ROWS], by_drive[OPPOSED][ROWS]; /* per torque */
-};
-
-/* A torque M turns a body by J^-1 M, which moves the contact by J^-1 M x arm. */
-static struct turned_rows turned_rows_of(const struct iteration *it, int stage, int contact,
-                                         const struct shared_body *m)
-{
-    const struct node *node = &it->node[stage][contact];
-    const struct node_contact *c = &it->contact[contact];
-    const struct rotation_by_spin *rotation = &it->rotation[stage][m->body];
-    const struct vec3 arm = vec3_scale(m->by_inertia, node->arm[m->end]);
-    struct turned_rows to = {.other_end = m->other_end};
-    if (m->by_inertia == 0.0) {
-        return to;
-    }
-    for (int r = 0; r < ROWS && r < c->rows; ++r) {
-        to.by_velocity[r] = rotated_by(rotation, vec3_cross(arm, node->by_velocity[r]));
-        to.by_place[r] = rotated_by(rotation, vec3_cross(arm, node->by_place[r]));
-        if (SCENE_ANY_COMPOUND && c->rows >= ROWS) {
-            const struct vec3 offset = vec3_scale(m->by_inertia, node->offset[m->end]);
-            to.by_place[r] =
-                vec3_add(to.by_place[r], rotated_by(rotation, vec3_cross(offset, node->by_swing[r])));
-        }
-    }
-    for (int r = ROWS; SCENE_ANY_ROLLING && r < c->rows; ++r) {
-        to.by_velocity[r] = rotated_by(rotation, vec3_scale(m->by_inertia, node->by_spin[r - ROWS]));
-    }
-    for (int part = 0; SCENE_ANY_SPRINGS && c->springs && part < OPPOSED; ++part) {
-        for (int r = 0; r < ROWS; ++r) {
-            const struct vec3 drive = node->by_drive[part][r];
-            to.by_drive[part][r] = rotated_by(
-                rotation, part == OPPOSED_SLIP ? vec3_cross(arm, drive) : vec3_scale(m->by_inertia, drive));
-        }
-    }
-    return to;
+    return shared;
 }
 
 /* The responses at one stage change with the forces at another. `once` and `square` weigh the first and the
@@ -919,39 +903,39 @@ static inline struct vec3 row_of_springs(const struct vec3 by[OPPOSED][ROWS], co
 }
 
 /* Writes the rows of one contact and the columns of another at a pair of stages. The rows change through the
- * bodies that both contacts share: by their masses, of which `by_mass` is the sum of the inverses, and by the
- * torques that the forces make. */
+ * bodies that both contacts share, and by the torques that the forces make. */
 static inline void put_block(const struct iteration *it, const struct node *node,
                              const struct node_contact *of, const struct node *by,
-                             const struct node_contact *from, double by_mass,
-                             const struct turned_rows *turned, int count, const struct block_weights *w,
-                             bool plain, double *to)
+                             const struct node_contact *from, const struct shared_bodies *shared,
+                             const struct block_weights *w, bool plain, double *to)
 {
     const int stride = it->g->step.all.stride;
     const bool springs = SCENE_ANY_SPRINGS && !plain && of->springs;
+    struct vec3 arm[4];
+    for (int l = 0; l < shared->count; ++l) {
+        arm[l] = vec3_scale(shared->by_inertia[l], by->arm[shared->other_end[l]]);
+    }
     for (int r = 0; r < of->rows && !(plain && r >= ROWS); ++r) {
-        struct vec3 row = vec3_scale(w->once, node->by_velocity[r]);
+        struct vec3 effect = {0.0, 0.0, 0.0};
         struct vec3 twist = {0.0, 0.0, 0.0};
-        row = r < ROWS ? vec3_axpy(row, w->square, node->by_place[r]) : row;
-        row = springs && r < ROWS ? vec3_add(row, row_of_springs(node->by_drive, w->by_slip, r)) : row;
-        struct vec3 effect = row;
-        if (r < ROWS && of->rows >= ROWS) {
-            effect = vec3_axpy(row, w->square, node->by_swing[r]);
+        if (r < ROWS) {
+            effect = vec3_axpy(vec3_scale(w->once, node->by_motion[r]), w->square, node->by_place[r]);
+            effect = springs ? vec3_add(effect, row_of_springs(node->by_drive, w->by_slip, r)) : effect;
+            effect = of->rows >= ROWS ? vec3_axpy(effect, w->square, node->by_swing[r]) : effect;
+            effect = vec3_scale(shared->by_mass, effect);
         }
-        effect = vec3_scale(by_mass, effect);
         effect = node == by ? vec3_add(effect, node->by_force[r]) : effect;
-        for (int l = 0; l < count; ++l) {
-            const struct turned_rows *t = &turned[l];
-            struct vec3 turn = vec3_scale(w->once, t->by_velocity[r]);
+        for (int l = 0; l < shared->count; ++l) {
+            const struct turned_rows *t = &node->turned[shared->end[l]];
+            struct vec3 turn = vec3_scale(w->once, t->by_motion[r]);
             turn = r < ROWS ? vec3_axpy(turn, w->square, t->by_place[r]) : turn;
             turn = springs ? vec3_add(turn, row_of_springs(t->by_drive, w->by_slip, r)) : turn;
-            effect = vec3_add(effect, vec3_cross(turn, by->arm[t->other_end]));
-            twist = vec3_add(twist, turn);
+            effect = vec3_add(effect, vec3_cross(turn, arm[l]));
+            twist = vec3_axpy(twist, shared->by_inertia[l], turn);
         }
         if (springs && of == from) {
-            const struct vec3 own = row_of_springs(node->by_drive, w->by_force, r);
-            effect = r < ROWS ? vec3_add(effect, own) : effect;
-            twist = r < ROWS ? twist : vec3_add(twist, own);
+            struct vec3 *own = r < ROWS ? &effect : &twist;
+            *own = vec3_add(*own, row_of_springs(node->by_drive, w->by_force, r));
         }
         if (from->rows == ROWS_WITHOUT_FRICTION) {
             to[r] = vec3_dot(effect, by->push);
@@ -960,7 +944,7 @@ static inline void put_block(const struct iteration *it, const struct node *node
         to[r] = effect.x;
         to[stride + r] = effect.y;
         to[2 * stride + r] = effect.z;
-        if (SCENE_ANY_ROLLING && !plain && from->rows == MOST_ROWS) {
+        if (SCENE_ANY_ROLLING && !plain && from->loads > 1) {
             twist = node == by && r >= ROWS ? vec3_add(twist, node->by_torque[r - ROWS]) : twist;
             to[3 * stride + r] = twist.x;
             to[4 * stride + r] = twist.y;
@@ -992,7 +976,7 @@ static void put_blocks_of_normals(const struct iteration *it, int c, int d, doub
                                  double2_at(p->stages->twice + j * s, i) * double2_at(slope[1], i)));
         }
         if (c == d) {
-            to[j] -= it->admittance[c];
+            to[j] -= it->contact[c].admittance[0];
         }
     }
 }
@@ -1004,28 +988,19 @@ CONTACT_FLATTEN static void put_blocks(const struct iteration *it, int c, int d)
     const int s = p->stages->stages;
     const struct node_contact *of = &it->contact[c];
     const struct node_contact *from = &it->contact[d];
-    struct shared_body shared[4];
-    const int count = shared_bodies(it, c, d, shared);
-    if (count == 0 && c != d) {
+    const struct shared_bodies shared = shared_bodies_of(it, c, d);
+    if (shared.count == 0 && shared.by_mass == 0.0 && c != d) {
         return;
     }
     const bool plain = !of->springs && of->rows <= ROWS && from->rows <= ROWS;
-    double by_mass = 0.0;
-    for (int l = 0; l < count; ++l) {
-        by_mass += shared[l].by_mass;
-    }
     const bool along_normals = of->rows == ROWS_WITHOUT_FRICTION && from->rows == ROWS_WITHOUT_FRICTION;
     if (along_normals && !(SCENE_ANY_TURNING && scene_turns(it->g->ode.values))) {
-        put_blocks_of_normals(it, c, d, by_mass);
+        put_blocks_of_normals(it, c, d, shared.by_mass);
         return;
     }
     for (int i = 0; i < s; ++i) {
         const struct node *node = &it->node[i][c];
         double *rows = p->all.re + unknown_of(it, c, i);
-        struct turned_rows turned[4];
-        for (int l = 0; l < count; ++l) {
-            turned[l] = turned_rows_of(it, i, c, &shared[l]);
-        }
         for (int j = 0; j < s; ++j) {
             struct block_weights w = {.once = p->length * p->stages->once[j * s + i],
                                       .square = p->length * p->length * p->stages->twice[j * s + i]};
@@ -1037,9 +1012,9 @@ CONTACT_FLATTEN static void put_blocks(const struct iteration *it, int c, int d)
             }
             double *to = rows + unknown_of(it, d, j) * p->all.stride;
             if (plain) { /* the compiler drops what friction without springs has not */
-                put_block(it, node, of, &it->node[j][d], from, by_mass, turned, count, &w, true, to);
+                put_block(it, node, of, &it->node[j][d], from, &shared, &w, true, to);
             } else {
-                put_block(it, node, of, &it->node[j][d], from, by_mass, turned, count, &w, false, to);
+                put_block(it, node, of, &it->node[j][d], from, &shared, &w, false, to);
             }
         }
     }
@@ -1099,13 +1074,11 @@ static void correct_forces(struct iteration *it)
         struct node *node = &it->node[k / it->contacts][k % it->contacts];
         const struct node_contact *c = &it->contact[k % it->contacts];
         const double *by = side + unknown_of(it, k % it->contacts, k / it->contacts);
-        node->more_force = c->rows >= ROWS ? vec3_from(by) : vec3_scale(by[0], node->push);
-        node->force = vec3_add(node->force, node->more_force);
-        if (SCENE_ANY_ROLLING && c->rows == MOST_ROWS) {
-            node->more_torque = vec3_from(by + ROWS);
-            node->torque = vec3_add(node->torque, node->more_torque);
+        for (int l = 0; l < c->loads; ++l) {
+            node->more[l] = c->rows >= ROWS ? vec3_from(by + l * ROWS) : vec3_scale(by[0], node->push);
+            node->load[l] = vec3_add(node->load[l], node->more[l]);
         }
-        add_force(it, k / it->contacts, k % it->contacts, node->more_force, node->more_torque);
+        add_loads(it, k / it->contacts, k % it->contacts, node->more);
     }
 }
 
@@ -1117,16 +1090,13 @@ static void guess_forces(struct iteration *it)
     const bool goes_on = radau_step_goes_on(p);
     double rates[RADAU_MOST_STAGES * 3];
     for (int j = 0; j < it->contacts; ++j) {
-        const int parts = SCENE_ANY_ROLLING && it->contact[j].rows == MOST_ROWS ? 2 : 1;
-        for (int k = 0; k < parts; ++k) { /* the guess of M contains the torque of the force */
+        for (int k = 0; k < it->contact[j].loads; ++k) { /* the guess of M contains the torque of the force */
             const int impulse = it->g->ode.layout.impulse[it->contact[j].contact] + 6 * k;
             if (goes_on) {
                 radau_step_guess_rates(p, impulse, 3, rates);
             }
             for (int i = 0; i < p->stages->stages; ++i) {
-                struct node *node = &it->node[i][j];
-                *(k == 0 ? &node->force : &node->torque) =
-                    vec3_from(goes_on ? rates + 3 * i : p->start_rates + impulse);
+                it->node[i][j].load[k] = vec3_from(goes_on ? rates + 3 * i : p->start_rates + impulse);
             }
         }
     }
@@ -1141,9 +1111,9 @@ static void finish_nodes(struct iteration *it)
     struct vec3 torque[SCENE_CONTACTS] = {{0.0, 0.0, 0.0}};
     for (int i = 0; i < p->stages->stages; ++i) {
         for (int j = 0; j < it->contacts; ++j) {
-            force[it->contact[j].contact] = it->node[i][j].force;
-            if (SCENE_ANY_ROLLING && it->contact[j].rows == MOST_ROWS) {
-                torque[it->contact[j].contact] = it->node[i][j].torque;
+            force[it->contact[j].contact] = it->node[i][j].load[0];
+            if (SCENE_ANY_ROLLING && it->contact[j].loads > 1) {
+                torque[it->contact[j].contact] = it->node[i][j].load[LOADS - 1];
             }
         }
         ode_rates_under(&g->ode, p->point, force, torque, move_to_stage(it, i, true),

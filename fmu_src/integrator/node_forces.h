@@ -4,7 +4,7 @@
  * Given the forces, all motion follows by quadrature. Each contact tells how far its force is from its laws,
  * in a form that is nearly linear in the forces: the normal force by the gap and its rate, friction that
  * rolls by the slip as a function of the force, friction that slides by the force as a function of the slip
- * (friction_response_of). Newton's method solves for the forces; its slopes are kept as long as they serve.
+ * (friction_missed). Newton's method solves for the forces; its slopes are kept as long as they serve.
  */
 #ifndef CONTACT_INTEGRATOR_NODE_FORCES_H
 #define CONTACT_INTEGRATOR_NODE_FORCES_H

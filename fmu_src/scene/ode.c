@@ -185,7 +185,8 @@ static void friction_events(const struct scene_instant *at, int contact, double 
     }
     if (contact_may_pull(&laws.normal)) {
         const struct contact_geometry *g = &at->geometry[contact];
-        out[ODE_EVENT_LIFT] = friction_lift_event(regime, contact_push(&laws.normal, g->gap, g->gap_rate));
+        const double push = contact_push(&laws.normal, g->gap, g->gap_rate);
+        out[ODE_EVENT_LIFT] = regime == FRICTION_LIFTED ? -push : push;
     }
 }
 

@@ -30,7 +30,7 @@
  * and where bodies turn or rub
  *   2   friction_stick_event   sticking and sliding change
  *   3   friction_cap_event     mu F_n passes F_max; in elastic friction that sticks: F* passes F_max
- *   4   friction_lift_event    F_n changes its sign while the bodies overlap
+ *   4   lift                   F_n changes its sign while the bodies overlap
  *   5, 6  friction_stick_event of rolling and of spinning, where contacts may resist them
  * and last where contacts may be divided into zones
  *       zones_margin           the contact leaves its zone

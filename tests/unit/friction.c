@@ -44,7 +44,7 @@ TEST(the_responses_vanish_where_the_law_holds)
         for (int form = 0; form <= (int)rolls; ++form) {
             const double scale = form ? vec3_norm(slip) : ADMITTANCE * vec3_norm(force);
             const struct friction_missed missed = friction_missed(
-                &law, FRICTION_SLIDING, state_of(normal_force, slip), &force, form != 0, ADMITTANCE);
+                &law, FRICTION_SLIDING, state_of(normal_force, slip), &force, form != 0, ADMITTANCE, NULL);
             CHECK(vec3_norm(missed.velocity) <= 1e-13 * scale);
         }
     }
@@ -55,16 +55,17 @@ TEST(the_responses_vanish_where_the_law_holds)
 static struct vec3 missed_at(const struct friction_law *law, double normal_force, struct vec3 slip,
                              struct vec3 force, bool rolls)
 {
-    return friction_missed(law, FRICTION_SLIDING, state_of(normal_force, slip), &force, rolls, ADMITTANCE)
+    return friction_missed(law, FRICTION_SLIDING, state_of(normal_force, slip), &force, rolls, ADMITTANCE,
+                           NULL)
         .velocity;
 }
 
-static void check_column(const double matrix[3][3], int column, struct vec3 more, struct vec3 less,
+static void check_column(const struct vec3 matrix[3], int column, struct vec3 more, struct vec3 less,
                          double step, double size)
 {
     for (int i = 0; i < 3; ++i) {
         const double slope = (vec3_get(more, i) - vec3_get(less, i)) / (2.0 * step);
-        CHECK(fabs(slope - matrix[i][column]) <= 1e-6 * size);
+        CHECK(fabs(slope - vec3_get(matrix[i], column)) <= 1e-6 * size);
     }
 }
 
@@ -78,11 +79,10 @@ TEST(the_slopes_are_the_derivatives_of_the_responses)
         const bool rolls = i % 2 == 0;
         const struct vec3 slip = vector_of(&random, law.slip_velocity);
         struct vec3 force = vector_of(&random, 0.5 * limit);
-        const double steepness =
-            friction_missed(&law, FRICTION_SLIDING, state_of(normal_force, slip), &force, rolls, ADMITTANCE)
-                .steepness;
-        const struct friction_response r = friction_response_of(
-            &law, FRICTION_SLIDING, state_of(normal_force, slip), force, rolls, ADMITTANCE);
+        struct friction_slopes r;
+        const double steepness = friction_missed(&law, FRICTION_SLIDING, state_of(normal_force, slip), &force,
+                                                 rolls, ADMITTANCE, &r)
+                                     .steepness;
         const double of_force = rolls ? steepness : ADMITTANCE;
         const double of_slip = rolls ? 1.0 : ADMITTANCE * limit / law.slip_velocity;
         for (int k = 0; k < 3; ++k) {
@@ -97,7 +97,8 @@ TEST(the_slopes_are_the_derivatives_of_the_responses)
                          1e-4 * law.slip_velocity, of_slip);
         }
         const double h = 1e-4 * normal_force;
-        const double column[3][3] = {{r.by_normal_force.x}, {r.by_normal_force.y}, {r.by_normal_force.z}};
+        const struct vec3 column[3] = {
+            {.x = r.by_normal_force.x}, {.x = r.by_normal_force.y}, {.x = r.by_normal_force.z}};
         check_column(column, 0, missed_at(&law, normal_force + h, slip, force, rolls),
                      missed_at(&law, normal_force - h, slip, force, rolls), h, of_force);
     }
@@ -109,7 +110,7 @@ TEST(a_force_beyond_the_limit_is_shortened_and_steep)
         .kind = FRICTION_REGULARIZED, .coefficient = 0.5, .slip_velocity = 1e-3, .largest = 1e9};
     struct vec3 force = {30.0, 0.0, 0.0};
     const struct friction_missed r = friction_missed(
-        &law, FRICTION_SLIDING, state_of(10.0, vec3_make(0.0, 0.0, 0.0)), &force, true, ADMITTANCE);
+        &law, FRICTION_SLIDING, state_of(10.0, vec3_make(0.0, 0.0, 0.0)), &force, true, ADMITTANCE, NULL);
     CHECK(force.x > 0.99 * 5.0 && force.x < 5.0);
     CHECK(r.steepness > 500.0 * law.slip_velocity / 5.0);
     const struct vec3 none = {0.0, 0.0, 0.0};
