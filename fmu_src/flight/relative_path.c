@@ -4,6 +4,7 @@
 
 #include "flight/flight.h"
 #include "flight/relative_path.h"
+#include "math/series.h"
 
 static void add_free(const struct scene_instant *at, double clock, int body, double sign,
                      struct separation_path *out)
@@ -196,7 +197,7 @@ void relative_path_gap(const void *data, double s, double *gap, double *slope)
         path->degree > 0 ? vec3_scale(s, path_at(path->c + 1, path->degree, s)) : vec3_make(0.0, 0.0, 0.0);
     if (relative_path_is_flat(path)) {
         *gap = path->gap + moved.x;
-        *slope = polynomial_at(&path->closing, s);
+        *slope = taylor_at(path->closing.a, path->closing.degree + 1, s);
         return;
     }
     const double distance = vec3_norm(vec3_add(path->c[0], moved));
@@ -204,7 +205,8 @@ void relative_path_gap(const void *data, double s, double *gap, double *slope)
     /* |a + b| - |a| = (2 a.b + b.b) / (|a + b| + |a|) */
     const double grown = both > 0.0 ? vec3_dot(vec3_axpy(moved, 2.0, path->c[0]), moved) / both : 0.0;
     *gap = path->gap + path->side * grown;
-    *slope = distance > 0.0 ? path->side * polynomial_at(&path->closing, s) / distance : 0.0;
+    *slope = distance > 0.0 ? path->side * taylor_at(path->closing.a, path->closing.degree + 1, s) / distance
+                            : 0.0;
 }
 
 struct extremes extremes_of(const struct relative_path *path)
