@@ -4,6 +4,7 @@
 
 #include "flight/flight.h"
 #include "flight/relative_path.h"
+#include "math/series.h"
 
 static void add_free(const struct scene_instant *at, double clock, int body, double sign,
                      struct separation_path *out)
@@ -175,7 +176,7 @@ void relative_path_gap(const void *data, double s, double *gap, double *slope)
         path->degree > 0 ? vec3_scale(s, path_at(path->c + 1, path->degree, s)) : vec3_make(0.0, 0.0, 0.0);
     if (contact_is_plane(path->shape)) {
         *gap = path->gap + moved.x;
-        *slope = polynomial_at(&path->closing, s);
+        *slope = taylor_at(path->closing.a, path->closing.degree + 1, s);
         return;
     }
     const double distance = vec3_norm(vec3_add(path->c[0], moved));
@@ -183,5 +184,6 @@ void relative_path_gap(const void *data, double s, double *gap, double *slope)
     /* |a + b| - |a| = (2 a.b + b.b) / (|a + b| + |a|) */
     const double grown = both > 0.0 ? vec3_dot(vec3_axpy(moved, 2.0, path->c[0]), moved) / both : 0.0;
     *gap = path->gap + path->shape->side * grown;
-    *slope = distance > 0.0 ? path->shape->side * polynomial_at(&path->closing, s) / distance : 0.0;
+    const double closing = taylor_at(path->closing.a, path->closing.degree + 1, s);
+    *slope = distance > 0.0 ? path->shape->side * closing / distance : 0.0;
 }

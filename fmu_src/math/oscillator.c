@@ -192,21 +192,3 @@ CONTACT_NOT_FUSED struct oscillator_increment free_oscillation_since(const struc
     return (struct oscillator_increment){d->y * by_y + d->y_rate * by_rate,
                                          d->y_rate * (by_y - damping_rate * by_rate) - d->y * by_rate};
 }
-
-/* (-faster)^order by_faster exp(-faster s) + (-slower)^order by_slower exp(-slower s) = 0: with each order
- * the zero moves on by log(faster / slower) / (faster - slower). */
-double free_oscillation_zero(const struct free_oscillation *d, int order)
-{
-    if (!(d->slower > 0.0)) { /* by_faster exp(-s) = drift */
-        const double left = d->drift / d->by_faster;
-        return order == 1 && left > 0.0 ? -log(left) : (double)INFINITY;
-    }
-    const double spread = d->faster - d->slower;
-    const double part = d->y_rate / (d->y + d->slower * d->y_rate);
-    if (!(spread * part > -1.0)) {
-        return (double)INFINITY;
-    }
-    const double first = spread > 0.0 ? log1p(spread * part) / spread : part;
-    const double further = spread > 0.0 ? log1p(spread / d->slower) / spread : 1.0;
-    return first + (order - 1) * further;
-}

@@ -92,10 +92,4 @@ void free_oscillation_at(const struct free_oscillation *d, double s,
 /* Returns the changes of y and y' from s = 0 to s. */
 struct oscillator_increment free_oscillation_since(const struct free_oscillation *d, double s);
 
-/* Returns the s at which the derivative of y of this order is zero. The damping must be nearly critical or
- * more: each derivative then has one zero at most. The result is negative where the zero lies before the
- * start, and INFINITY where there is none. It is only approximate where the damping is slightly below
- * critical and y still oscillates. */
-double free_oscillation_zero(const struct free_oscillation *d, int order);
-
 #endif

@@ -6,15 +6,6 @@
 #include "math/compiler.h"
 #include "math/polynomial.h"
 
-double polynomial_at(const struct polynomial *p, double s)
-{
-    double value = p->a[p->degree];
-    for (int i = p->degree - 1; i >= 0; --i) {
-        value = value * s + p->a[i];
-    }
-    return value;
-}
-
 struct polynomial polynomial_derivative(const struct polynomial *p)
 {
     struct polynomial d = {{0.0}, p->degree > 0 ? p->degree - 1 : 0};
@@ -33,40 +24,6 @@ void power_sum_and_slope(const void *sum, double s, double *value, double *slope
         *slope = *slope * s + *value;
         *value = *value * s + of->a[i];
     }
-}
-
-/* Degree one or two. Without cancellation: one root from b + sign(b) sqrt(b^2 - 4ac), the other one from
- * their product c/a. The extreme must lie beyond zero, else rounding would let a parabola that touches zero
- * cross it. */
-static int quadratic_sign_changes(const struct polynomial *p, double *roots)
-{
-    const double unit = fmax(fabs(p->a[0]), fmax(fabs(p->a[1]), p->degree > 1 ? fabs(p->a[2]) : 0.0));
-    const double a = p->degree > 1 ? p->a[2] / unit : 0.0;
-    const double b = p->a[1] / unit;
-    const double c = p->a[0] / unit;
-    if (a != 0.0 && !(a * polynomial_at(p, -0.5 * b / a) < 0.0)) {
-        return 0;
-    }
-    const double q = -0.5 * (b + copysign(sqrt(b * b - 4.0 * a * c), b));
-    const double by_a = q / a;
-    const double by_c = c / q;
-    const double both[2] = {by_a < by_c ? by_a : by_c, by_a < by_c ? by_c : by_a};
-    int count = 0;
-    for (int i = 0; i < 2; ++i) {
-        if (both[i] > 0.0 && both[i] < 1.0) {
-            roots[count++] = both[i];
-        }
-    }
-    return count;
-}
-
-static int trimmed_degree(const struct polynomial *p)
-{
-    int degree = p->degree;
-    while (degree > 0 && p->a[degree] == 0.0) {
-        --degree;
-    }
-    return degree;
 }
 
 /* The roots of p between neighbouring extrema (roots of the derivative) and the ends of the interval. */
@@ -92,20 +49,13 @@ static int roots_between(const struct polynomial *p, const double *extrema, int 
 int polynomial_sign_changes(const struct polynomial *p, double roots[POLYNOMIAL_MAX_DEGREE])
 {
     struct polynomial chain[POLYNOMIAL_MAX_DEGREE + 1];
-    const int degree = trimmed_degree(p);
-    if (degree < 1) {
-        return 0;
-    }
-    int lowest = degree;
-    chain[degree] = *p;
-    chain[degree].degree = degree;
-    while (lowest > 2) {
-        chain[lowest - 1] = polynomial_derivative(&chain[lowest]);
-        --lowest;
+    chain[p->degree] = *p;
+    for (int i = p->degree; i > 1; --i) {
+        chain[i - 1] = polynomial_derivative(&chain[i]);
     }
     double extrema[POLYNOMIAL_MAX_DEGREE] = {0.0};
-    int count = quadratic_sign_changes(&chain[lowest], roots);
-    for (int i = lowest + 1; i <= degree; ++i) {
+    int count = 0;
+    for (int i = 1; i <= p->degree; ++i) {
         for (int j = 0; j < count; ++j) {
             extrema[j] = roots[j];
         }
@@ -114,25 +64,18 @@ int polynomial_sign_changes(const struct polynomial *p, double roots[POLYNOMIAL_
     return count;
 }
 
-/* Sorts a number into `count` ascending ones; returns the new count. */
-static int insert_sorted(double number, double *sorted, int count)
-{
-    int at = count;
-    for (; at > 0 && sorted[at - 1] > number; --at) {
-        sorted[at] = sorted[at - 1];
-    }
-    sorted[at] = number;
-    return count + 1;
-}
-
 int polynomial_add_sign_changes(const struct polynomial *p, double *sorted, int count)
 {
     double roots[POLYNOMIAL_MAX_DEGREE];
     const int found = polynomial_sign_changes(p, roots);
     for (int i = 0; i < found; ++i) {
-        count = insert_sorted(roots[i], sorted, count);
+        int at = count + i;
+        for (; at > 0 && sorted[at - 1] > roots[i]; --at) {
+            sorted[at] = sorted[at - 1];
+        }
+        sorted[at] = roots[i];
     }
-    return count;
+    return count + found;
 }
 
 /* Longest step, relative to s, after which convergence is predicted instead of tested. */
@@ -225,25 +168,6 @@ bool root_may_dip(const struct root_place place[3])
     return 0.25 * slope * slope / bend > 0.5 * value;
 }
 
-double root_lowest(root_function *f, const void *data, const struct root_place place[3])
-{
-    enum { SECTIONS = 80 };                   /* each leaves 0.62 of the bracket before: down to rounding */
-    const double golden = 0.3819660112501051; /* (3 - sqrt(5)) / 2 */
-    struct root_place low = place[1];
-    double from = place[0].s;
-    double to = place[2].s;
-    for (int i = 0; i < SECTIONS && low.value > 0.0; ++i) {
-        const bool later = to - low.s > low.s - from;
-        struct root_place trial = {.s = low.s + golden * (later ? to - low.s : from - low.s)};
-        double slope;
-        f(data, trial.s, &trial.value, &slope);
-        const bool lower = trial.value < low.value;
-        *(lower == later ? &from : &to) = lower ? low.s : trial.s;
-        low = lower ? trial : low;
-    }
-    return low.s;
-}
-
 /* Largest number of bisections: afterwards an interval of [0, 1] is 1e-12 long. */
 enum { DEPTH = 40 };
 
@@ -253,20 +177,15 @@ struct part {
     double of[BERNSTEIN_MOST];
 };
 
-/* Halves a part by de Casteljau's scheme: `left` becomes its first half; the second half is returned. */
+/* Halves a part: `left` becomes its first half; the second half is returned. */
 static struct part split(struct part *left, int count)
 {
-    struct part right = {left->low + 0.5 * left->width, 0.5 * left->width, {0.0}};
-    double row[BERNSTEIN_MOST];
-    memcpy(row, left->of, (size_t)count * sizeof *row);
+    struct part right = *left;
     left->width *= 0.5;
-    for (int k = 0; k < count; ++k) {
-        left->of[k] = row[0];
-        right.of[count - 1 - k] = row[count - 1 - k];
-        for (int i = 0; i + 1 < count - k; ++i) {
-            row[i] = 0.5 * (row[i] + row[i + 1]);
-        }
-    }
+    right.width = left->width;
+    right.low += right.width;
+    bernstein_restrict(left->of, count, 0.0, 0.5);
+    bernstein_restrict(right.of, count, 0.5, 1.0);
     return right;
 }
 
@@ -350,12 +269,12 @@ double bernstein_root(const double *coefficients, int count, struct bernstein_fa
 void bernstein_restrict(double *coefficients, int count, double from, double to)
 {
     const double start = to > 0.0 ? from / to : 0.0;
-    for (int k = 1; k < count; ++k) {
+    for (int k = 1; k < count && to < 1.0; ++k) {
         for (int i = count - 1; i >= k; --i) {
             coefficients[i] = (1.0 - to) * coefficients[i - 1] + to * coefficients[i];
         }
     }
-    for (int k = 1; k < count; ++k) {
+    for (int k = 1; k < count && start > 0.0; ++k) {
         for (int i = 0; i + k < count; ++i) {
             coefficients[i] = (1.0 - start) * coefficients[i] + start * coefficients[i + 1];
         }

@@ -12,8 +12,6 @@ struct polynomial {
     int degree; /* 0..POLYNOMIAL_MAX_DEGREE */
 };
 
-double polynomial_at(const struct polynomial *p, double s);
-
 struct polynomial polynomial_derivative(const struct polynomial *p);
 
 /*
@@ -63,9 +61,6 @@ struct root_place {
 /* Whether a function that is positive at three ascending places and lowest at the second may fall below zero
  * about it: the parabola through the three falls below the second value by at least half of it. */
 bool root_may_dip(const struct root_place place[3]);
-
-/* A place between the first and the third where the function is lowest, by golden sections, or below zero. */
-double root_lowest(root_function *f, const void *data, const struct root_place place[3]);
 
 /* Where a polynomial, given by its Bernstein coefficients on [0, 1], first falls through zero. */
 

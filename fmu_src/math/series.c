@@ -96,11 +96,6 @@ void taylor_derivatives(const double *a, int terms, double s, double out[3])
     out[2] *= 2.0;
 }
 
-void taylor_root_function(const void *a, double s, double *value, double *slope)
-{
-    power_sum_and_slope(&(struct power_sum){a, TAYLOR_TERMS}, s, value, slope);
-}
-
 /* Horner's scheme with each product at its worst bounds the series from below, and its slope from above. By
  * these bounds most series either stay above zero or fall all the way, and no further search is needed. */
 double taylor_first_fall(const double *a, int terms, double end)

@@ -42,9 +42,6 @@ double taylor_at(const double *a, int terms, double s);
 /* Writes the value of the series at s and its first two derivatives. */
 void taylor_derivatives(const double *a, int terms, double s, double out[3]);
 
-/* Serves as a root_function of a series of TAYLOR_TERMS coefficients. */
-void taylor_root_function(const void *a, double s, double *value, double *slope);
-
 /* Returns the first place up to `end` at which the series falls through zero; INFINITY: it does not. */
 double taylor_first_fall(const double *a, int terms, double end);
 

@@ -387,6 +387,16 @@ double expansion_time_at(const struct expansion *s, double place)
     return s->paced_by < 0 ? s->unit * place : taylor_at(s->power_of_time[1].row, TAYLOR_TERMS, place);
 }
 
+void expansion_time(const void *expansion, double place, double time[3])
+{
+    const struct expansion *s = expansion;
+    time[0] = s->unit * place;
+    time[1] = s->unit;
+    if (s->paced_by >= 0) {
+        taylor_derivatives(s->power_of_time[1].row, TAYLOR_TERMS, place, time);
+    }
+}
+
 double expansion_node(int i, double place, double *weight)
 {
     const struct lobatto *nodes = &lobatto[LOBATTO_TWELVE];

@@ -103,8 +103,10 @@ void expansion_add_powers(struct expansion *s, int degree);
  * Gaps count as `opened` [m] at least, momenta as `pushed` [N s]. */
 double expansion_reliable(const struct expansion *s, double opened, double pushed, double accuracy);
 
-/* Returns the time since the start at a place [s]. */
+/* Returns the time since the start at a place [s]; expansion_time also sets the derivative of the time by s,
+ * as a time_function (touch/pair.h). */
 double expansion_time_at(const struct expansion *s, double place);
+void expansion_time(const void *expansion, double place, double time[3]);
 
 /* Returns the place of node i of a quadrature over [0, place] by LOBATTO_MAX nodes, and writes its weight.
  * Products of series have coefficients beyond the last one. Twelve nodes integrate them to rounding, because

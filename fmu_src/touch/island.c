@@ -6,6 +6,7 @@
 #include "math/nodes.h"
 #include "math/polynomial.h"
 #include "scene/evaluate.h"
+#include "touch/pair.h"
 
 #if SCENE_HAS_ISLANDS
 
@@ -393,13 +394,7 @@ static bool find_touches(struct island *s, const struct scene_instant *at)
 /* Returns the s of a time since the start [s], at most s->end. */
 static double place_of(const struct island *s, double time)
 {
-    double of[TAYLOR_TERMS];
-    if (s->terms.paced_by < 0) {
-        return fmin(time / s->terms.unit, s->end);
-    }
-    memcpy(of, s->terms.power_of_time[1].row, sizeof of);
-    of[0] = -time;
-    return time < s->time ? root_in_bracket(taylor_root_function, of, 0.0, s->end) : s->end;
+    return time < s->time ? pair_place_by(expansion_time, &s->terms, time, s->end) : s->end;
 }
 
 long island_work(const struct island *s)
@@ -468,6 +463,7 @@ static double largest_within(const double *row, double from, double to)
 {
     const double inside = INSIDE * (to - from);
     double slopes[TAYLOR_TERMS];
+    const struct power_sum slope_of = {slopes, TAYLOR_TERMS};
     double largest = fmax(taylor_at(row, TAYLOR_TERMS, from), taylor_at(row, TAYLOR_TERMS, to));
     for (int i = 0; i < TAYLOR_ORDER; ++i) {
         slopes[i] = (i + 1) * row[i + 1];
@@ -479,7 +475,7 @@ static double largest_within(const double *row, double from, double to)
         const double end = i < ISLAND_PARTS ? from + (to - from) * i / ISLAND_PARTS : to - inside;
         const double slope = taylor_at(slopes, TAYLOR_TERMS, end);
         if (rises && !(slope > 0.0)) {
-            const double top = root_in_bracket(taylor_root_function, slopes, start, end);
+            const double top = root_in_bracket(power_sum_and_slope, &slope_of, start, end);
             largest = fmax(largest, taylor_at(row, TAYLOR_TERMS, top));
         }
         rises = slope > 0.0;

@@ -4,6 +4,7 @@
 #include "flight/flight.h"
 #include "math/compiler.h"
 #include "scene/evaluate.h"
+#include "touch/expansion.h"
 #include "touch/pair.h"
 
 /* Adds a body's part of the force and the momentum that do external work. Returns whether the work of the
@@ -151,17 +152,17 @@ double pair_gap_derivative(const struct contact_pair *p)
     return p->rate - p->shape.side * vec3_dot(p->normal, contact_across(&p->shape, mismatch));
 }
 
-/* Returns the part of g'' that the turning of n makes at a distance d [m/s^2]: |w_t|^2 / d, and less at a
- * rim. */
-static double pair_turning(const struct contact_pair *p, double distance)
+double pair_pressing_load(const struct contact_pair *p)
 {
+    const double distance = fmax(p->distance, 0.5 * contact_reach(&p->shape));
+    const struct vec3 across = pair_tangential(p, contact_across(&p->shape, p->flight.c[1]));
+    double turning = vec3_dot(across, across);
     if (contact_is_circle(&p->shape)) {
         const struct contact_geometry at =
             contact_geometry_at(&p->shape, p->flight.c[0], p->flight.c[1], p->normal);
-        return contact_turning_rate(&p->shape, &at, p->flight.c[1]) / distance;
+        turning = contact_turning_rate(&p->shape, &at, p->flight.c[1]);
     }
-    const struct vec3 across = pair_tangential(p, contact_across(&p->shape, p->flight.c[1]));
-    return vec3_dot(across, across) / distance;
+    return -p->shape.side * (turning / distance + 2.0 * vec3_dot(p->normal, p->flight.c[2]));
 }
 
 /* Returns the start of the motion in the coordinates of a rim. */
@@ -172,16 +173,9 @@ static struct rim_start pair_rim_start(const struct contact_pair *p)
                         contact_reach(&p->shape) + p->shape.side * p->gap, p->flight.c[1]);
 }
 
-double pair_pressing_load(const struct contact_pair *p)
-{
-    const double turning = pair_turning(p, fmax(p->distance, DBL_MIN));
-    return -p->shape.side * (turning + 2.0 * vec3_dot(p->normal, p->flight.c[2]));
-}
-
 double pair_load(const struct contact_pair *p)
 {
-    const double distance = fmax(p->distance, 0.5 * contact_reach(&p->shape));
-    return p->reduced_mass * fabs(pair_turning(p, distance) + 2.0 * vec3_dot(p->normal, p->flight.c[2]));
+    return p->reduced_mass * fabs(pair_pressing_load(p));
 }
 
 static double speed_of(const struct scene_state *q, int body)
@@ -201,17 +195,6 @@ static double rate_rounding_after(const struct pair_change *change, const struct
             vec3_norm(change->r_rate));
 }
 
-/* Returns the part of a vector that does not act on head-on motion: along a plane or a cylinder's axis; zero
- * at a sphere. */
-static struct vec3 aside(const struct contact_pair *p, struct vec3 a)
-{
-    if (contact_is_plane(&p->shape)) {
-        return contact_across_plane(p->normal, a);
-    }
-    return contact_is_cylinder(&p->shape) ? vec3_scale(vec3_dot(p->shape.axis, a), p->shape.axis)
-                                          : vec3_make(0.0, 0.0, 0.0);
-}
-
 /* Returns the part of a vector that acts on the contact's motion. At a cylinder it is the part across the
  * axis. At a plane it is the part along the normal, so that H = 0 and a polynomial load is followed
  * exactly. */
@@ -219,6 +202,13 @@ static struct vec3 coupled(const struct contact_pair *p, struct vec3 a)
 {
     return contact_is_plane(&p->shape) ? vec3_scale(vec3_dot(p->normal, a), p->normal)
                                        : contact_across(&p->shape, a);
+}
+
+/* Returns the rest of the vector, which does not act on head-on motion: along a plane or a cylinder's axis;
+ * zero at a sphere. */
+static struct vec3 aside(const struct contact_pair *p, struct vec3 a)
+{
+    return vec3_sub(a, coupled(p, a));
 }
 
 /* The motion that both bodies share, without its part aside: the motion of the body that is not free, or of
@@ -329,9 +319,9 @@ static const double OUT_OF_PLANE = 8.0 * DBL_EPSILON;
 static const double MOSTLY_NORMAL = 0.5;
 
 /* Returns the first tangential direction in which the flight moves; zero where the motion is head-on. */
-static struct vec3 tangent_of(const struct contact_pair *from)
+static struct vec3 tangent_of(const struct contact_pair *from, int degree)
 {
-    for (int i = 1; i <= SEPARATION_DEGREE; ++i) {
+    for (int i = 1; i <= degree; ++i) {
         const struct vec3 rows[2] = {from->flight.c[i], from->flight.w[i - 1]};
         for (int k = 0; k < 2; ++k) {
             const struct vec3 across = contact_across(&from->shape, rows[k]);
@@ -361,8 +351,12 @@ static bool put_in_frame(const struct frame_flight *flight, struct vec3 a, doubl
 
 struct frame_flight frame_flight_of(const struct contact_pair *from)
 {
-    struct frame_flight flight = {
-        .frame = {from->normal, tangent_of(from)}, .degree = 1, .c = {{from->distance, 0.0, 0.0}}};
+    const int by_c = path_degree(from->flight.c, SEPARATION_DEGREE + 1);
+    const int by_w = 1 + path_degree(from->flight.w, SEPARATION_DEGREE);
+    const int degree = by_c > by_w ? by_c : by_w;
+    struct frame_flight flight = {.frame = {from->normal, tangent_of(from, degree)},
+                                  .degree = degree,
+                                  .c = {{from->distance, 0.0, 0.0}}};
     const bool at_rim = contact_is_circle(&from->shape);
     bool leaves_plane = false;
     flight.head_on = vec3_is_zero(flight.frame[1]);
@@ -372,13 +366,11 @@ struct frame_flight frame_flight_of(const struct contact_pair *from)
         memcpy(flight.frame, rim.frame, sizeof flight.frame);
         (void)put_in_frame(&flight, from->flight.c[0], flight.c[0]);
     }
-    for (int i = 1; i <= SEPARATION_DEGREE; ++i) {
-        const struct vec3 c = from->flight.c[i];
-        const struct vec3 w = from->flight.w[i - 1];
-        flight.degree = vec3_is_zero(c) && vec3_is_zero(w) ? flight.degree : i;
-        leaves_plane = put_in_frame(&flight, contact_across(&from->shape, c), flight.c[i]) || leaves_plane;
-        leaves_plane =
-            put_in_frame(&flight, contact_across(&from->shape, w), flight.w[i - 1]) || leaves_plane;
+    for (int i = 1; i <= degree; ++i) {
+        const struct vec3 c = contact_across(&from->shape, from->flight.c[i]);
+        const struct vec3 w = contact_across(&from->shape, from->flight.w[i - 1]);
+        leaves_plane = put_in_frame(&flight, c, flight.c[i]) || leaves_plane;
+        leaves_plane = put_in_frame(&flight, w, flight.w[i - 1]) || leaves_plane;
     }
     flight.dimensions = !at_rim && flight.head_on ? 1 : leaves_plane ? 3 : 2;
     return flight;
@@ -387,13 +379,6 @@ struct frame_flight frame_flight_of(const struct contact_pair *from)
 /* Lowest damped frequency treated as an oscillation [radians per s], at 0.97 of critical damping. A lower one
  * decays below rounding within one period. */
 static const double LOWEST_FREQUENCY = 0.25;
-
-/* A contact without a spring drifts towards the centre, d = 0, where |g| is the reach. A segment in closed
- * form is made only if its bound of |g| without the drift is below DRIFT_STARTS of the reach, and it ends
- * where the drift may take |g| to DRIFT_ENDS of the reach. The two differ, so that each segment has room for
- * some drift, and DRIFT_ENDS is below 1, so that no segment reaches the centre. */
-static const double DRIFT_STARTS = 0.5;
-static const double DRIFT_ENDS = 0.75;
 
 static double along_normal(const struct contact_pair *from, int degree)
 {
@@ -406,54 +391,25 @@ static double largest_gap(const struct contact_pair *from)
     return contact_may_reach_centre(&from->shape) ? contact_reach(&from->shape) : DBL_MAX;
 }
 
-static bool make_of_spring(struct pair_oscillation *p)
-{
-    const struct contact_pair *from = p->from;
-    p->dynamic_stiffness = from->coefficients.k;
-    p->equilibrium = p->load;
-    p->y = from->gap - p->equilibrium;
-    p->free = free_oscillation_of(from->coefficients.c / from->reduced_mass / p->rate, p->y, p->y_rate);
-    p->omega_d = p->free.omega_d < LOWEST_FREQUENCY ? 0.0 : p->free.omega_d;
-    p->amplitude = oscillator_envelope_of(&p->free.oscillator, p->y, p->y_rate).amplitude;
-    return fabs(p->equilibrium) + p->amplitude < largest_gap(from);
-}
-
-static bool make_of_dashpot(struct pair_oscillation *p)
-{
-    const struct contact_pair *from = p->from;
-    p->dynamic_stiffness = from->coefficients.c * p->rate;
-    p->omega_d = p->equilibrium = 0.0;
-    p->y = from->gap;
-    p->free = free_oscillation_of_dashpot(p->y, p->y_rate, p->load);
-    p->amplitude = fabs(p->y) + fabs(p->free.by_faster);
-    return p->amplitude < DRIFT_STARTS * largest_gap(from);
-}
-
 bool pair_oscillation_make(struct pair_oscillation *p, const struct contact_pair *from)
 {
     const bool has_spring = from->coefficients.k > 0.0;
-    p->rate = has_spring ? sqrt(from->coefficients.k / from->reduced_mass)
-                         : from->coefficients.c / from->reduced_mass;
+    const double dashpot = from->coefficients.c / from->reduced_mass;
+    p->from = from;
+    p->rate = has_spring ? sqrt(from->coefficients.k / from->reduced_mass) : dashpot;
     if (!(p->rate > 0.0)) {
         return false;
     }
-    p->from = from;
+    p->stiffness = from->reduced_mass * p->rate * p->rate;
     p->load = 2.0 * along_normal(from, 2) / (p->rate * p->rate);
-    p->y_rate = pair_gap_derivative(from) / p->rate;
-    return has_spring ? make_of_spring(p) : make_of_dashpot(p);
-}
-
-double pair_oscillation_longest(const struct pair_oscillation *p)
-{
-    if (p->omega_d > 0.0) {
-        return (double)INFINITY;
-    }
-    const double longest = p->free.omega_d > 0.0 ? PI / p->free.omega_d : (double)INFINITY;
-    if (p->from->coefficients.k > 0.0 || !contact_may_reach_centre(&p->from->shape)) {
-        return longest;
-    }
-    const double free = DRIFT_ENDS * contact_reach(&p->from->shape) - p->amplitude;
-    return fmin(longest, free / fabs(p->free.drift));
+    p->equilibrium = has_spring ? p->load : 0.0;
+    const double y = from->gap - p->equilibrium;
+    const double y_rate = pair_gap_derivative(from) / p->rate;
+    p->free = has_spring ? free_oscillation_of(dashpot / p->rate, y, y_rate)
+                         : free_oscillation_of_dashpot(y, y_rate, p->load);
+    p->omega_d = p->free.omega_d < LOWEST_FREQUENCY ? 0.0 : p->free.omega_d;
+    p->amplitude = oscillator_envelope_of(&p->free.oscillator, y, y_rate).amplitude;
+    return !has_spring || fabs(p->equilibrium) + p->amplitude < largest_gap(from);
 }
 
 /* Whether y or y' has decayed so far that its direct value is more accurate than the start value plus the
@@ -472,28 +428,29 @@ static inline void motion_at(const struct pair_oscillation *p, double s, double 
     grown[0] = since.x;
     grown[1] = since.x_rate;
     const double g = p->from->gap + since.x;
-    const double rate = p->y_rate + since.x_rate;
+    const double rate = p->free.y_rate + since.x_rate;
     if (p->omega_d > 0.0) {
         const double damping_rate = p->free.oscillator.damping_rate;
         gap[0] = g;
         gap[1] = rate;
-        gap[2] = -damping_rate * rate - (p->y + since.x);
+        gap[2] = -damping_rate * rate - (p->free.y + since.x);
         gap[3] = -damping_rate * gap[2] - rate;
         gap[4] = -damping_rate * gap[3] - gap[2];
         return;
     }
     free_oscillation_at(&p->free, s, gap);
-    gap[0] = has_decayed(gap[0], p->y) ? p->equilibrium + gap[0] : g;
-    gap[1] = has_decayed(gap[1], p->y_rate) ? gap[1] : rate;
+    gap[0] = has_decayed(gap[0], p->free.y) ? p->equilibrium + gap[0] : g;
+    gap[1] = has_decayed(gap[1], p->free.y_rate) ? gap[1] : rate;
 }
 
 /* y' = exp(-damping_rate s / 2) (y_rate cos + sideways sin) of omega_d s. */
 double pair_oscillation_first_extremum(const struct pair_oscillation *p)
 {
-    const double sideways = -(p->y + 0.5 * p->free.oscillator.damping_rate * p->y_rate) / p->omega_d;
-    const double angle = p->y_rate == 0.0  ? PI
-                         : p->y_rate < 0.0 ? atan2(-p->y_rate, sideways)
-                                           : atan2(p->y_rate, -sideways);
+    const double sideways =
+        -(p->free.y + 0.5 * p->free.oscillator.damping_rate * p->free.y_rate) / p->omega_d;
+    const double angle = p->free.y_rate == 0.0  ? PI
+                         : p->free.y_rate < 0.0 ? atan2(-p->free.y_rate, sideways)
+                                                : atan2(p->free.y_rate, -sideways);
     return angle / p->omega_d;
 }
 
@@ -512,9 +469,9 @@ static void put_oscillating_part(const struct contact_pair *from, enum pair_quan
                                         : k * y_rate + c * bend;
 }
 
-bool pair_oscillation_stays_above(const struct pair_oscillation *p, enum pair_quantity quantity,
-                                  double factor, double offset)
+bool pair_oscillation_stays_positive(const struct pair_oscillation *p, const struct event_function *what)
 {
+    const enum pair_quantity quantity = what->quantity;
     if (!(p->from->coefficients.k > 0.0)) {
         return false; /* without a spring the gap drifts */
     }
@@ -525,8 +482,8 @@ bool pair_oscillation_stays_above(const struct pair_oscillation *p, enum pair_qu
     const struct oscillator *o = &p->free.oscillator;
     double start;
     double rate;
-    put_oscillating_part(p->from, quantity, o, p->rate, p->y, p->y_rate, &start, &rate);
-    return oscillator_envelope_of(o, start, rate).amplitude < factor * still + offset;
+    put_oscillating_part(p->from, quantity, o, p->rate, p->free.y, p->free.y_rate, &start, &rate);
+    return oscillator_envelope_of(o, start, rate).amplitude < what->factor * still + what->offset;
 }
 
 /* Computes the force of a decay as F_n = m_red (g'' - side n.A), because the forces of spring and dashpot
@@ -540,10 +497,9 @@ void pair_oscillation_sample(const void *pair_oscillation, double s, struct pair
     for (int i = 0; i < 3; ++i) {
         sample->of[PAIR_GAP][i] = gap[i];
         sample->of[PAIR_GAP_RATE][i] = p->rate * gap[i + 1];
-        sample->of[PAIR_FORCE][i] =
-            p->omega_d > 0.0
-                ? contact_linear_force(p->from->coefficients, gap[i], sample->of[PAIR_GAP_RATE][i])
-                : p->dynamic_stiffness * (gap[i + 2] - (i == 0 ? p->load : 0.0));
+        sample->of[PAIR_FORCE][i] = p->omega_d > 0.0 ? contact_linear_force(p->from->coefficients, gap[i],
+                                                                            sample->of[PAIR_GAP_RATE][i])
+                                                     : p->stiffness * (gap[i + 2] - (i == 0 ? p->load : 0.0));
     }
 }
 
@@ -552,9 +508,9 @@ void pair_oscillation_sample(const void *pair_oscillation, double s, struct pair
 static double dissipated_by_dashpot(const struct pair_oscillation *p, const double grown[2])
 {
     const bool has_spring = p->from->coefficients.k > 0.0;
-    const double by_rate = grown[1] * (2.0 * p->y_rate + grown[1]);
-    const double by_place = grown[0] * (has_spring ? 2.0 * p->y + grown[0] : -2.0 * p->load);
-    return p->from->coefficients.c > 0.0 ? -0.5 * p->dynamic_stiffness * (by_rate + by_place) : 0.0;
+    const double by_rate = grown[1] * (2.0 * p->free.y_rate + grown[1]);
+    const double by_place = grown[0] * (has_spring ? 2.0 * p->free.y + grown[0] : -2.0 * p->load);
+    return p->from->coefficients.c > 0.0 ? -0.5 * p->stiffness * (by_rate + by_place) : 0.0;
 }
 
 struct pair_change pair_change_along_normal(const struct contact_pair *from, double time, double r,
@@ -575,7 +531,7 @@ struct pair_change pair_oscillation_advance(const void *pair_oscillation, double
     double grown[2];
     double gap[1 + FREE_OSCILLATION_DERIVATIVES];
     motion_at(p, s, grown, gap);
-    const double r = grown[0] - (p->y_rate * s + 0.5 * fall * time);
+    const double r = grown[0] - (p->free.y_rate * s + 0.5 * fall * time);
     const double r_rate = p->rate * grown[1] - fall;
     struct pair_change change = pair_change_along_normal(from, time, r, r_rate, gap[0]);
     change.head_on = true;
@@ -641,17 +597,8 @@ void pair_hertz_force(const struct contact_pair *from, const double u[3], const 
                     cube * q[2]);
 }
 
-/* Computes the force from the acceleration, because the forces of spring and dashpot nearly cancel. */
-static void add_overdamped_force(const struct pair_collocation *p, double s, struct pair_sample *sample)
-{
-    const double factor = p->from->shape.side * p->from->reduced_mass / (p->step.half * p->step.half);
-    double push[3];
-    collocation_overdamped_push(&p->step, s, push);
-    for (int i = 0; i < 3; ++i) {
-        sample->of[PAIR_FORCE][i] = factor * push[i];
-    }
-}
-
+/* The force of an overdamped step follows from the acceleration, because the forces of spring and dashpot
+ * nearly cancel. */
 static void fill_sample(const struct pair_collocation *p, const double x[4], double s,
                         struct pair_sample *sample)
 {
@@ -671,13 +618,16 @@ static void fill_sample(const struct pair_collocation *p, const double x[4], dou
         pair_hertz_force(p->from, u, sample->of[PAIR_GAP_RATE], sample->of[PAIR_FORCE]);
         return;
     }
-    if (p->step.kind == COLLOCATION_OVERDAMPED) {
-        add_overdamped_force(p, s, sample);
-        return;
+    const bool is_overdamped = p->step.kind == COLLOCATION_OVERDAMPED;
+    double push[3];
+    if (is_overdamped) {
+        collocation_overdamped_push(&p->step, s, push);
     }
     for (int i = 0; i < 3; ++i) {
-        sample->of[PAIR_FORCE][i] = contact_linear_force(p->from->coefficients, sample->of[PAIR_GAP][i],
-                                                         sample->of[PAIR_GAP_RATE][i]);
+        sample->of[PAIR_FORCE][i] = is_overdamped
+                                        ? per_time / p->step.half * p->from->reduced_mass * push[i]
+                                        : contact_linear_force(p->from->coefficients, sample->of[PAIR_GAP][i],
+                                                               sample->of[PAIR_GAP_RATE][i]);
     }
 }
 
@@ -708,12 +658,11 @@ void pair_collocation_sample_averaged(const void *pair_collocation, double s, st
  * delta^(3/2) chi delta'^2, by the nodes' quadrature [J]. */
 static double quasi_static_dissipated(const struct pair_collocation *p, double s)
 {
-    const struct lobatto *nodes = p->step.nodes;
     double sum = 0.0;
-    for (int i = 0; i < nodes->points && p->from->chi > 0.0; ++i) {
-        const double weight = 0.5 * s * nodes->integral[i * nodes->points + nodes->points - 1];
+    for (int i = 0; i < LOBATTO_MAX && p->from->chi > 0.0; ++i) {
+        double weight;
         double x[4];
-        collocation_deviation(&p->step, 0.5 * s * (1.0 + nodes->node[i]), x);
+        collocation_deviation(&p->step, expansion_node(i, s, &weight), x);
         const double depth = -p->from->shape.side * x[0];
         sum += weight * depth * sqrt(depth) * x[1] * x[1] / p->step.half;
     }
@@ -826,7 +775,6 @@ void pair_timescales_make(struct pair_timescales *out, const struct contact_pair
     const struct oscillator oscillator = {problem->omega2, problem->damping_rate};
     out->rates = oscillator_rates_of(&oscillator);
     out->equilibrium_depth = pair_pressing_load(p) / problem->omega2;
-    out->underdamped = 4.0 * problem->omega2 > problem->damping_rate * problem->damping_rate;
     const double from_equilibrium = problem->deviation + p->shape.side * out->equilibrium_depth;
     out->oscillation = oscillator_envelope_of(&oscillator, from_equilibrium, problem->radial).amplitude;
 }
@@ -845,21 +793,11 @@ double pair_tangential_rate_within(const struct pair_timescales *scales, double 
 /* A step may exceed the radians asked for by this factor, because they are only an estimate. */
 static const double RADIANS_MORE = 1.1;
 
-/* Each trial at least halves the logarithm of the excess length, so a step 1e6 times too long needs eight
- * trials. */
-enum { STEP_TRIALS = 12 };
-
 double pair_step_within(const struct pair_timescales *scales, double longest, double radians)
 {
     double step = fmin(longest, radians / scales->tangential_rate);
-    for (int i = 0; i < STEP_TRIALS; ++i) {
-        const double tangential_rate = pair_tangential_rate_within(scales, step);
-        if (step * tangential_rate <= RADIANS_MORE * radians) {
-            break;
-        }
-        /* The step sought lies between this one and radians / tangential_rate. The rate grows with a power of
-         * the step between 0 and 1, so the geometric mean of the two is nearer than either. */
-        step = sqrt(step * (radians / tangential_rate));
+    while (step * pair_tangential_rate_within(scales, step) > RADIANS_MORE * radians) {
+        step *= 0.5;
     }
     return step;
 }

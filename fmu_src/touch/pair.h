@@ -74,12 +74,12 @@ void pair_make(struct contact_pair *p, const struct scene_instant *at, int conta
  * the prescribed displacement. */
 double pair_gap_derivative(const struct contact_pair *p);
 
-/* Returns the force that would keep the bodies at their present distance, |m_red (|w_t|^2 / d + n.A)| [N].
- * Near the centre half the reach replaces d, since the bodies only pass the centre. */
-double pair_load(const struct contact_pair *p);
-
-/* Returns L, the acceleration that presses the bodies together [m/s^2]. */
+/* Returns L, the acceleration that presses the bodies together, -side (|w_t|^2 / d + n.A) [m/s^2]. Near the
+ * centre half the reach replaces d, since the bodies only pass the centre; at a rim n turns less. */
 double pair_pressing_load(const struct contact_pair *p);
+
+/* Returns the force that would keep the bodies at their present distance, m_red |L| [N]. */
+double pair_load(const struct contact_pair *p);
 
 /* Returns the part of the vector `across` that is perpendicular to n and turns n; zero at a plane. */
 struct vec3 pair_tangential(const struct contact_pair *p, struct vec3 across);
@@ -127,26 +127,21 @@ struct frame_flight frame_flight_of(const struct contact_pair *from);
 struct pair_oscillation {
     const struct contact_pair *from;
     double rate;                  /* sqrt(p_n / m_red), or p_nv / m_red [1/s] */
-    double dynamic_stiffness;     /* m_red rate^2: p_n where there is a spring [N/m] */
+    double stiffness;             /* m_red rate^2: p_n where there is a spring [N/m] */
     double load;                  /* side n.A per s^2 [m] */
-    struct free_oscillation free; /* y */
+    struct free_oscillation free; /* y, y' at the start [m] */
     double omega_d;               /* radians of y per s: sqrt(1 - damping_rate^2 / 4); 0 where it decays */
     double equilibrium;           /* gap at rest under the load; 0 without a spring [m] */
-    double y, y_rate;             /* at the start, per s [m] */
-    double amplitude;             /* bound of |y|, without the drift [m] */
+    double amplitude;             /* bound of |y| where there is a spring [m] */
 };
 
-/* Makes the oscillation of a pair that moves head-on (from->is_head_on). Returns false where the motion might
- * reach the centre of solid bodies; contact inside a hollow body ends before the centre. */
+/* Makes the oscillation of a pair that moves head-on (from->is_head_on). Returns false where an oscillation
+ * might reach the centre of solid bodies; contact inside a hollow body ends before the centre. Without a
+ * spring the bodies may drift to the centre. */
 bool pair_oscillation_make(struct pair_oscillation *p, const struct contact_pair *from);
 
-/* Whether factor * quantity + offset stays positive for all s >= 0. */
-bool pair_oscillation_stays_above(const struct pair_oscillation *p, enum pair_quantity quantity,
-                                  double factor, double offset);
-
-/* Returns the upper bound of s up to which no quantity of a decay has two extrema, for a segment with events;
- * INFINITY where y oscillates. */
-double pair_oscillation_longest(const struct pair_oscillation *p);
+/* Whether an event function stays positive for all s >= 0. */
+bool pair_oscillation_stays_positive(const struct pair_oscillation *p, const struct event_function *what);
 
 /* Returns the first s > 0 at which the gap has an extremum. Every quantity has further extrema each half
  * period pi / omega_d. */
@@ -173,7 +168,6 @@ struct pair_timescales {
     /* rates of the radial oscillator; sqrt(p_n / m_red) below critical damping [1/s] */
     struct oscillator_rates rates;
     double oscillation;       /* amplitude of the oscillation of x about its particular solution [m] */
-    bool underdamped;         /* below critical damping */
     double equilibrium_depth; /* penetration at equilibrium with the load, -side f / omega2 [m] */
 };
 

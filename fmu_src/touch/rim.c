@@ -48,14 +48,9 @@ struct rim_state rim_state_of(const struct rim_start *start, const double change
     const double d = start->distance + grown;
     return (struct rim_state){.d = d,
                               .rho = start->radius + d * by.cosine,
-                              .azimuth = change[0] / scale,
-                              .tilt = start->tilt + change[1],
                               .azimuth_momentum = start->azimuth_momentum + scale * change[2],
                               .tilt_momentum = start->tilt_momentum + change[3],
                               .grown = grown,
-                              .tilted = change[1],
-                              .spun = scale * change[2],
-                              .tilting = change[3],
                               .by = by};
 }
 
@@ -93,49 +88,30 @@ struct vec3 rim_normal(const struct rim_state *at)
     return vec3_make(c * at->by.turned_cosine, -at->by.sine, c * at->by.turned_sine);
 }
 
-/* Changes since the start: of cosine and sine of the tilt, and of rho. */
-struct rim_change {
-    double cosine, sine, rho;
-};
-
-static struct rim_change rim_change_of(const struct rim_start *start, const struct rim_state *at)
-{
-    const double half_angle = sin(0.5 * at->tilted);
-    const double mean = start->tilt + 0.5 * at->tilted;
-    const double cosine = -2.0 * sin(mean) * half_angle;
-    return (struct rim_change){cosine, 2.0 * cos(mean) * half_angle,
-                               at->grown * at->by.cosine + start->distance * cosine};
-}
-
-/* Returns the cosine of the azimuth less one. */
-static double rim_turned_away(const struct rim_state *at)
-{
-    const double half_turn = sin(0.5 * at->azimuth);
-    return -2.0 * half_turn * half_turn;
-}
-
+/* c = d n + r_d a. */
 struct vec3 rim_moved(const struct rim_start *start, const struct rim_state *at)
 {
-    const struct rim_change by = rim_change_of(start, at);
-    return vec3_make(by.rho * at->by.turned_cosine + start->rho * rim_turned_away(at),
-                     -(at->grown * at->by.sine + start->distance * by.sine), at->rho * at->by.turned_sine);
+    const struct vec3 n = rim_normal(at);
+    const double d = start->distance;
+    return vec3_make(
+        at->grown * n.x + d * (n.x - start->cosine) + start->radius * (at->by.turned_cosine - 1.0),
+        at->grown * n.y + d * (n.y + start->sine), at->d * n.z + start->radius * at->by.turned_sine);
 }
 
 struct vec3 rim_gained(const struct rim_start *start, const struct rim_state *at, double before,
                        double radial)
 {
-    const struct rim_change by = rim_change_of(start, at);
-    const double along = start->tilt_momentum / start->distance;
+    const double along = start->tilt_momentum / start->distance; /* speeds at the start and now */
     const double around = start->azimuth_momentum / start->rho;
-    const double further = (at->tilting - along * at->grown) / at->d; /* changes of the speeds */
-    const double faster = (at->spun - around * by.rho) / at->rho;
-    const double gained = radial - before;
-    const double outward = before * start->cosine - along * start->sine;
-    const double more = gained * at->by.cosine + before * by.cosine - further * at->by.sine - along * by.sine;
-    const double away = rim_turned_away(at);
-    return vec3_make(more * at->by.turned_cosine + outward * away - (around + faster) * at->by.turned_sine,
-                     -(gained * at->by.sine + before * by.sine + further * at->by.cosine + along * by.cosine),
-                     (outward + more) * at->by.turned_sine + faster * at->by.turned_cosine + around * away);
+    const double along_now = at->tilt_momentum / at->d;
+    const double around_now = at->azimuth_momentum / at->rho;
+    const double c = at->by.cosine;
+    const double s = at->by.sine;
+    const double outward = radial * c - along_now * s;
+    return vec3_make(outward * at->by.turned_cosine - around_now * at->by.turned_sine -
+                         (before * start->cosine - along * start->sine),
+                     before * start->sine + along * start->cosine - (radial * s + along_now * c),
+                     outward * at->by.turned_sine + around_now * at->by.turned_cosine - around);
 }
 
 void rim_edges(const double tilt[3], double reach, double radial[3], double axial[3])

@@ -37,10 +37,9 @@ struct rim_angles {
 };
 
 struct rim_state {
-    double d, rho, azimuth, tilt;           /* d and rho [m], the angles [rad] */
+    double d, rho;                          /* [m] */
     double azimuth_momentum, tilt_momentum; /* [m^2/s] */
-    double grown, tilted;                   /* changes of d and of the tilt, not rounded by a difference */
-    double spun, tilting;                   /* changes of both momenta, likewise */
+    double grown;                           /* change of d, not rounded by a difference [m] */
     struct rim_angles by;
 };
 
@@ -72,7 +71,7 @@ void rim_slopes_by_distance(const struct rim_start *start, const struct rim_stat
                             struct vec3 acceleration, double slopes[4]);
 
 /* These functions return n, c - c(0) [m], and c' - c'(0) [m/s] where d' is first `before` and then `radial`,
- * in the frame. The differences lose no digits. */
+ * in the frame. A motion that does not turn loses no digits. */
 struct vec3 rim_normal(const struct rim_state *at);
 struct vec3 rim_moved(const struct rim_start *start, const struct rim_state *at);
 struct vec3 rim_gained(const struct rim_start *start, const struct rim_state *at, double before,

@@ -153,22 +153,16 @@ static bool comes_back_at_once(const struct segment *p, double speed)
     return pressing > 0.0 && speed * speed <= 2.0 * pressing * GAP_HYSTERESIS * largest_size(p, PAIR_GAP);
 }
 
-/* Returns the release at p->parting, or no event if the bodies come back at once. */
-static struct terminal_event known_parting(const struct segment *p)
-{
-    const double speed = p->output.at[p->output.count - 1].of[PAIR_GAP_RATE][0];
-    const bool ends = p->parting > 0.0 && p->parting <= p->end;
-    const bool lasts = ends && hertz_hardly_parts(&p->pair, speed);
-    return (struct terminal_event){
-        lasts ? (double)INFINITY : p->parting, {PAIR_GAP, -1.0, 0.0}, REGIME_APART, false};
-}
-
-/* Returns the release, found from the gap. */
+/* Returns the release, at p->parting if that is known and the bodies do not come back at once, else found
+ * from the gap. */
 static struct terminal_event parting(struct segment *p)
 {
     struct terminal_event terminal = {(double)INFINITY, {PAIR_GAP, -1.0, 0.0}, REGIME_APART, false};
     if (SCENE_ANY_HERTZ && !isnan(p->parting)) {
-        return known_parting(p);
+        const double speed = p->output.at[p->output.count - 1].of[PAIR_GAP_RATE][0];
+        const bool ends = p->parting > 0.0 && p->parting <= p->end;
+        terminal.s = ends && hertz_hardly_parts(&p->pair, speed) ? (double)INFINITY : p->parting;
+        return terminal;
     }
     terminal.s = dense_output_first_event(&p->output, &terminal.function);
     if (terminal.s < (double)INFINITY) {
@@ -251,64 +245,18 @@ static void add_extrema_of_oscillation(struct dense_output *w, const struct pair
     }
 }
 
-/* Adds samples at the extrema of gap, gap rate and force; each quantity has at most one extremum. */
-static void add_extrema_of_decay(struct segment *p)
-{
-    struct dense_output *w = &p->output;
-    for (int order = 1; order <= FREE_OSCILLATION_DERIVATIVES; ++order) {
-        const double extremum = free_oscillation_zero(&p->as.oscillation.free, order);
-        if (extremum > 0.0 && extremum < p->end) {
-            dense_output_add(w, extremum);
-        }
-    }
-    dense_output_add(w, p->end);
-}
+/* A decay is over after this many of its times: exp(-64) is below rounding. */
+static const double OVER = 64.0;
 
-/* Whether the bodies never part and never change their regime. */
-static bool is_event_free(const struct segment *p)
+/* Adds samples between two places at 0.5, 1, 2, 4, ... times of the fast decay and of the slow one. No
+ * quantity of a decay has two extrema. */
+static void add_times_of_decay(struct dense_output *w, struct oscillator_rates rates, double from, double to)
 {
-    const struct pair_oscillation *made = &p->as.oscillation;
-    if (!pair_oscillation_stays_above(made, PAIR_GAP, -1.0, terminal_event_gap_tolerance(p))) {
-        return false;
+    double s = fmax(0.5 / rates.faster, 2.0 * from);
+    while (s < to && w->count < DENSE_OUTPUT_POINTS - LOBATTO_MAX) {
+        dense_output_add(w, s);
+        s = fmax(2.0 * s, s * rates.faster > OVER ? 0.5 / rates.slower : 0.0);
     }
-    const struct event_function margin = terminal_event_margin(p);
-    return !has_margin(p) ||
-           pair_oscillation_stays_above(made, margin.quantity, margin.factor, margin.offset);
-}
-
-/* Whether the motion is head-on under constant acceleration. */
-static bool closed_form_applies(const struct segment *p)
-{
-    return p->pair.is_head_on && !contact_is_rim(&p->pair.shape);
-}
-
-/* Makes the segment over all of p->longest where no event follows. Otherwise the segment lasts a period of
- * the oscillation at most, or as long as the decay. */
-static bool closed_form_make(struct segment *p)
-{
-    struct pair_oscillation *made = &p->as.oscillation;
-    if (!pair_oscillation_make(made, &p->pair)) {
-        return false;
-    }
-    p->clear_of_centre = true;
-    p->unit = 1.0 / made->rate;
-    double end = p->longest / p->unit;
-    if (end * p->unit < p->longest) {
-        end = nextafter(end, (double)INFINITY);
-    }
-    p->end = fmin(end, pair_oscillation_longest(made));
-    dense_output_add(&p->output, 0.0);
-    if (made->omega_d > 0.0) {
-        /* the samples are extrema of the gap, where the gap rate is zero */
-        p->largest_gap = fabs(made->equilibrium) + made->amplitude;
-        p->largest_rate = made->rate * made->amplitude;
-        add_extrema_of_oscillation(&p->output, made, p->end);
-    } else {
-        add_extrema_of_decay(p);
-    }
-    p->event_free = is_event_free(p);
-    p->end = p->event_free ? end : p->output.s[p->output.count - 1];
-    return true;
 }
 
 /* Smallest length of a collocated segment [radians of the oscillator]. Over a shorter one a single Taylor
@@ -329,24 +277,16 @@ static bool collocated_applies(const struct segment *p)
            scales->rates.faster >= SEPARATION_OF_RATES * scales->tangential_rate;
 }
 
-/* A decay is over after this many of its times: exp(-64) is below rounding. */
-static const double OVER = 64.0;
-
-/* Adds samples from `from` on at 0.5, 1, 2, 4, ... times of the fast decay and of the slow one, before the
- * first nodes, and at the nodes up to `to`, so that no quantity has two extrema between two samples. The
- * nodes show the extrema of the motion under the load. */
+/* Adds samples from `from` on, first at the times of the decays and then at the nodes up to `to`, so that no
+ * quantity has two extrema between two samples. The nodes show the extrema of the motion under the load. */
 static void add_decay_samples(const struct segment *p, struct dense_output *w, double from, double to)
 {
     const struct lobatto *nodes = p->as.collocation.step.nodes;
-    const struct oscillator_rates rates = oscillator_rates_of(&p->as.collocation.step.result.oscillator);
-    double s = fmax(0.5 / rates.faster, 2.0 * from);
+    const struct oscillator *decays = &p->as.collocation.step.result.oscillator;
     dense_output_add(w, from);
-    while (s < fmin(1.0 + nodes->node[2], to) && w->count < DENSE_OUTPUT_POINTS - LOBATTO_MAX) {
-        dense_output_add(w, s);
-        s = fmax(2.0 * s, s * rates.faster > OVER ? 0.5 / rates.slower : 0.0);
-    }
+    add_times_of_decay(w, oscillator_rates_of(decays), from, fmin(1.0 + nodes->node[2], to));
     for (int i = 0; i < nodes->points; ++i) {
-        s = 1.0 + nodes->node[i];
+        const double s = 1.0 + nodes->node[i];
         if (s > w->s[w->count - 1] && s < to) {
             dense_output_add(w, s);
         }
@@ -382,14 +322,9 @@ static const double NEAR_CENTRE = 0.1;
 static bool collocated_stays_off_centre(const struct segment *p)
 {
     const struct collocation *step = &p->as.collocation.step;
-    double nearest = step->from.reach;
-    for (int i = 0; i < step->nodes->points; ++i) {
-        nearest = fmin(nearest, step->from.reach + step->result.x[i]);
-    }
-    if (step->from.head_on || nearest > NEAR_CENTRE * step->from.reach) {
-        return true;
-    }
-    return step->kind == COLLOCATION_OVERDAMPED && !(terminal_event_centre(p) < (double)INFINITY);
+    return step->from.head_on || p->clear_of_centre ||
+           largest_size(p, PAIR_GAP) < (1.0 - NEAR_CENTRE) * step->from.reach ||
+           (step->kind == COLLOCATION_OVERDAMPED && !(terminal_event_centre(p) < (double)INFINITY));
 }
 
 /* Longest averaged step [radians of the tangential motion]: twelve nodes have full accuracy over it, with
@@ -471,9 +406,13 @@ static struct dense_output bound_between(const struct segment *p, const struct p
     return w;
 }
 
-/* Returns the s up to which an event function surely stays positive in an averaged segment. */
+/* Returns the s up to which an event function surely stays positive in an averaged segment, or in one in
+ * closed form. */
 static double positive_until(const struct segment *p, const struct event_function *what)
 {
+    if (p->kind == SEGMENT_CLOSED_FORM) {
+        return pair_oscillation_stays_positive(&p->as.oscillation, what) ? (double)INFINITY : 0.0;
+    }
     const struct pair_bound bound =
         pair_bound_of(&p->as.collocation, what->quantity, what->factor > 0.0 ? -1.0 : 1.0);
     const struct dense_output w = bound_between(p, &bound, 0.0, 2.0);
@@ -486,11 +425,48 @@ static double event_free_until(const struct segment *p)
 {
     const struct event_function overlap = {PAIR_GAP, -1.0, terminal_event_gap_tolerance(p)};
     const double parts = positive_until(p, &overlap);
-    if (!has_margin(p)) {
+    if (!(parts > 0.0) || !has_margin(p)) {
         return parts;
     }
     const struct event_function margin = terminal_event_margin(p);
     return fmin(parts, positive_until(p, &margin));
+}
+
+/* Whether the motion is head-on under constant acceleration. */
+static bool closed_form_applies(const struct segment *p)
+{
+    return p->pair.is_head_on && !contact_is_rim(&p->pair.shape);
+}
+
+/* Makes the segment over all of p->longest where no event follows. Otherwise the segment lasts a period of
+ * the oscillation at most, or as long as the decay. */
+static bool closed_form_make(struct segment *p)
+{
+    struct pair_oscillation *made = &p->as.oscillation;
+    if (!pair_oscillation_make(made, &p->pair)) {
+        return false;
+    }
+    p->clear_of_centre = p->clear_of_centre || p->pair.coefficients.k > 0.0;
+    p->unit = 1.0 / made->rate;
+    double end = p->longest / p->unit;
+    if (end * p->unit < p->longest) {
+        end = nextafter(end, (double)INFINITY);
+    }
+    p->end = made->omega_d == 0.0 && made->free.omega_d > 0.0 ? fmin(end, PI / made->free.omega_d) : end;
+    dense_output_add(&p->output, 0.0);
+    if (made->omega_d > 0.0) {
+        /* the samples are extrema of the gap, where the gap rate is zero */
+        p->largest_gap = fabs(made->equilibrium) + made->amplitude;
+        p->largest_rate = made->rate * made->amplitude;
+        add_extrema_of_oscillation(&p->output, made, p->end);
+    } else {
+        const struct oscillator_rates rates = {made->free.slower, made->free.faster};
+        add_times_of_decay(&p->output, rates, 0.0, p->end);
+        dense_output_add(&p->output, p->end);
+    }
+    p->event_free = !(event_free_until(p) < (double)INFINITY);
+    p->end = p->event_free ? end : p->output.s[p->output.count - 1];
+    return true;
 }
 
 /* Whether a step is accurate if n and H contain the oscillation to first order only. */
@@ -563,8 +539,7 @@ static const double SEPARATION_OF_DECAYS = 4.0;
 
 static bool overdamped_applies(const struct segment *p)
 {
-    return collocated_applies(p) && !p->scales.underdamped &&
-           !(p->scales.rates.faster < SEPARATION_OF_DECAYS * p->scales.rates.slower);
+    return collocated_applies(p) && !(p->scales.rates.faster < SEPARATION_OF_DECAYS * p->scales.rates.slower);
 }
 
 /* Whether a step is accurate if n and H contain the fast decay, of amplitude `decay` [m], to first order
@@ -731,51 +706,30 @@ static void search_about(struct search *f, double place, double bound)
     f->largest = dense_output_largest(&w, f->what, &range, f->largest);
 }
 
-/* Returns where an upper bound is highest between two of its samples, to half a turn or to the last digit.
- * The bound rises before this place and falls beyond. */
-static double summit_between(const struct search *f, const struct dense_output *bound, double low,
-                             double high)
-{
-    double middle = 0.5 * (low + high);
-    while (high - low > PI / f->omega && middle > low && middle < high) {
-        struct pair_sample at;
-        bound->sampler(bound->segment, middle, &at);
-        const bool rises = f->what->factor * at.of[f->what->quantity][1] > 0.0;
-        low = rises ? middle : low;
-        high = rises ? high : middle;
-        middle = 0.5 * (low + high);
-    }
-    return middle;
-}
-
-/* Searches about a place where the upper bound exceeds the largest value found. */
-static void search_where_larger(struct search *f, const struct dense_output *bound, double place,
-                                const struct pair_sample *at)
-{
-    const double most = f->what->factor * at->of[f->what->quantity][0];
-    if (dense_output_is_larger(bound, most, f->largest)) {
-        search_about(f, place, most);
-    }
-}
-
-/* Searches about every node and every summit of the upper bound, since a decaying oscillation may not reach
- * its envelope. */
+/* Searches about every place where the upper bound is highest between two of its samples and exceeds the
+ * largest value found, since a decaying oscillation may not reach its envelope. The place is the last one at
+ * which the bound rises, to half a turn or to the last digit, or the start where it falls at once. */
 static void search_swinging(struct search *f, const struct dense_output *bound)
 {
+    const enum pair_quantity quantity = f->what->quantity;
     const double factor = f->what->factor;
-    for (int i = 0; i < bound->count; ++i) {
-        search_where_larger(f, bound, bound->s[i], &bound->at[i]);
-        if (i + 1 == bound->count) {
-            return;
+    for (int i = 0; i + 1 < bound->count; ++i) {
+        struct pair_sample at = bound->at[i];
+        const double end = bound->s[i + 1];
+        double place = bound->s[i];
+        double step = factor * at.of[quantity][1] > 0.0 ? end - place : 0.0;
+        while (place < end && place + step > place) {
+            struct pair_sample next;
+            const double s = fmin(place + step, end);
+            bound->sampler(bound->segment, s, &next);
+            const bool rises = factor * next.of[quantity][1] >= 0.0;
+            place = rises ? s : place;
+            at = rises ? next : at;
+            step = step > 0.5 * PI / f->omega ? 0.5 * step : 0.0;
         }
-        const double *before = bound->at[i].of[f->what->quantity];
-        const double *after = bound->at[i + 1].of[f->what->quantity];
-        const double rise = factor * (after[0] - before[0]);
-        if ((rise > 0.0 || factor * before[1] > 0.0) && (rise < 0.0 || factor * after[1] < 0.0)) {
-            struct pair_sample at;
-            const double place = summit_between(f, bound, bound->s[i], bound->s[i + 1]);
-            bound->sampler(bound->segment, place, &at);
-            search_where_larger(f, bound, place, &at);
+        const double most = factor * at.of[quantity][0];
+        if (dense_output_is_larger(bound, most, f->largest)) {
+            search_about(f, place, most);
         }
     }
 }
@@ -876,7 +830,6 @@ static void peaks_note(struct segment *p, struct contact_peaks *peaks, double fr
  */
 struct torque_lever {
     int moments;                          /* how many moments of r count */
-    bool acts;                            /* whether there is a torque */
     struct vec3 c[SEPARATION_DEGREE + 1]; /* part of C by which the force has a torque, by powers of time */
     /* at skew cylinders the foot, linear in c, which shortens the destination's lever; else c */
     struct vec3 foot[SEPARATION_DEGREE + 1];
@@ -885,7 +838,7 @@ struct torque_lever {
 static struct torque_lever torque_lever_of(const struct contact_pair *pair)
 {
     const struct contact_shape *shape = &pair->shape;
-    struct torque_lever lever = {.moments = 0, .acts = false};
+    struct torque_lever lever = {.moments = 0};
     for (int i = 0; i <= SEPARATION_DEGREE; ++i) {
         const struct vec3 flown = pair->flight.c[i];
         struct vec3 *c = &lever.c[i];
@@ -899,10 +852,8 @@ static struct torque_lever torque_lever_of(const struct contact_pair *pair)
         lever.foot[i] = contact_is_skew(shape)
                             ? contact_across_plane(pair->normal, contact_foot_along(shape, flown))
                             : *c;
-        const bool turns = contact_is_circle(shape) || !vec3_is_zero(vec3_cross(*c, pair->normal)) ||
-                           !vec3_is_zero(vec3_cross(lever.foot[i], pair->normal));
-        lever.acts = lever.acts || !vec3_is_zero(*c);
-        lever.moments = i >= 2 && turns && !vec3_is_zero(flown) ? i - 1 : lever.moments;
+        const bool acts = !vec3_is_zero(*c) || !vec3_is_zero(lever.foot[i]);
+        lever.moments = i >= 2 && acts ? i - 1 : lever.moments;
     }
     return lever;
 }
@@ -936,9 +887,6 @@ static void add_torque_impulse(const struct contact_pair *pair, const struct tor
                                const struct pair_change *change, const struct vec3 moment[PAIR_MOMENTS],
                                struct contact_impulses *impulse)
 {
-    if (!lever->acts || !(change->time > 0.0)) {
-        return;
-    }
     struct vec3 sum = by_lever(pair, change, moment, lever->c);
     if (contact_is_skew(&pair->shape)) {
         const struct vec3 of_foot = by_lever(pair, change, moment, lever->foot);
@@ -988,54 +936,48 @@ static struct face_path face_path_of(const struct segment *p)
     return path;
 }
 
-/* Writes the margin [m], which is negative where another face is nearer to a centre inside the solid and
- * positive outside the solid. Rounding and the error of the edge just passed raise it. The gap gives the
- * depth, the flight gives the distance from the other face. */
-static void depth_margin(const void *data, double s, double *value, double *slope)
+/* Puts the margin [m] in place of the gap, without its second derivative; serves as a dense_output_sampler.
+ * The margin is negative where another face is nearer to a centre inside the solid, and positive outside the
+ * solid. Rounding and the error of the edge just passed raise it. The gap gives the depth, the flight gives
+ * the distance from the other face. */
+static void sample_depth_margin(const void *face_path, double s, struct pair_sample *at)
 {
-    const struct face_path *path = data;
+    const struct face_path *path = face_path;
     const struct segment *p = path->segment;
     const struct contact_solid *solid = &p->pair.shape.solid;
-    struct pair_sample at;
-    p->output.sampler(p->output.segment, s, &at);
-    const double depth = at.of[PAIR_GAP][0] + p->pair.shape.source_radius;
-    const struct solid_place place =
-        contact_place_at(solid, path_at(path->flight.c, SEPARATION_DEGREE + 1, segment_time(p, s)));
-    const double margin = solid->zone == ZONE_SIDE ? depth - place.axial
-                                                   : fmin(depth - place.radial, solid->half_height + depth);
-    *value = path->raised + (depth > 0.0 ? depth : margin);
-    *slope = (double)NAN; /* root_in_bracket then bisects */
+    double *margin = at->of[PAIR_GAP];
+    p->output.sampler(p->output.segment, s, at);
+    const double depth = margin[0] + p->pair.shape.source_radius;
+    const double time = segment_time(p, s);
+    const struct vec3 c = path_at(path->flight.c, SEPARATION_DEGREE + 1, time);
+    const struct vec3 by_s = vec3_scale(segment_pace(p, s), path_at(path->flight.w, SEPARATION_DEGREE, time));
+    const struct solid_place place = contact_place_at(solid, c);
+    const double along = vec3_dot(solid->axis, c);
+    const double along_by_s = vec3_dot(solid->axis, by_s);
+    margin[0] = path->raised + depth;
+    margin[2] = 0.0; /* the root finders then bisect */
+    if (solid->zone == ZONE_SIDE && depth <= 0.0) {
+        margin[0] -= place.axial;
+        margin[1] -= along < 0.0 ? -along_by_s : along_by_s;
+    } else if (depth <= 0.0 && -place.radial < solid->half_height) {
+        margin[0] -= place.radial;
+        margin[1] -= (vec3_dot(c, by_s) - along * along_by_s) / fmax(place.radial + solid->radius, DBL_MIN);
+    } else if (depth <= 0.0) {
+        margin[0] += solid->half_height;
+    }
 }
-
-/* The number of places at which the margin is evaluated; between two places the margin is no more curved than
- * a parabola. */
-enum { DEPTHS = 64 };
 
 static double end_by_depth(struct face_path *path, double end)
 {
-    struct root_place place[3] = {{0.0, 1.0}, {0.0, 1.0}, {0.0, 1.0}};
-    double slope;
-    depth_margin(path, 0.0, &place[2].value, &slope);
-    path->raised += 2.0 * fmax(-place[2].value, 0.0);
-    place[2].value = fabs(place[2].value);
-    for (int i = 1; i <= DEPTHS; ++i) {
-        place[0] = place[1];
-        place[1] = place[2];
-        place[2].s = end * i / DEPTHS;
-        depth_margin(path, place[2].s, &place[2].value, &slope);
-        if (place[2].value < 0.0) {
-            return root_in_bracket(depth_margin, path, place[1].s, place[2].s);
-        }
-        if (i > 1 && root_may_dip(place)) {
-            const double lowest = root_lowest(depth_margin, path, place);
-            double value;
-            depth_margin(path, lowest, &value, &slope);
-            if (value < 0.0) {
-                return root_in_bracket(depth_margin, path, place[0].s, lowest);
-            }
-        }
+    const struct event_function margin = {PAIR_GAP, 1.0, 0.0};
+    struct dense_output w = {sample_depth_margin, path, 0.0, .count = 0};
+    struct pair_sample start;
+    sample_depth_margin(path, 0.0, &start);
+    path->raised += 2.0 * fmax(-start.of[PAIR_GAP][0], 0.0);
+    for (int i = 0; i < DENSE_OUTPUT_POINTS; ++i) {
+        dense_output_add(&w, end * i / (DENSE_OUTPUT_POINTS - 1));
     }
-    return (double)INFINITY;
+    return dense_output_first_event(&w, &margin);
 }
 
 /* Whether the centre may get so deep into the solid that another face is nearer, by bounds of the depth and
@@ -1082,8 +1024,8 @@ static void zone_end_note(struct segment *p)
     }
 }
 
-/* Longest segment inside the solid [radians of the contact's oscillation], in which DEPTHS places show every
- * turn: the centre may get nearer to another face in each oscillation. */
+/* Longest segment inside the solid [radians of the contact's oscillation], in which the samples of the margin
+ * show every turn: the centre may get nearer to another face in each oscillation. */
 static const double LONGEST_INSIDE = 8.0;
 
 /* Returns how long a segment inside the solid may be so that no change of the nearest face is missed [s]. */

@@ -107,13 +107,7 @@ static void begin_series(struct pair_series *p, const struct contact_pair *from,
 
 void series_time(const void *pair_series, double s, double time[3])
 {
-    const struct pair_series *p = pair_series;
-    if (goes_by_u(p)) {
-        taylor_derivatives(p->terms.power_of_time[1].row, TAYLOR_TERMS, s, time);
-        return;
-    }
-    time[0] = p->terms.unit * s;
-    time[1] = p->terms.unit;
+    expansion_time(&((const struct pair_series *)pair_series)->terms, s, time);
 }
 
 void series_sample(const void *pair_series, double s, struct pair_sample *sample)
@@ -156,7 +150,6 @@ void series_moments(const void *pair_series, double s, const struct pair_change 
 {
     const struct pair_series *p = pair_series;
     (void)change;
-    memset(moment, 0, (size_t)count * sizeof *moment);
     for (int i = 0; i < LOBATTO_MAX; ++i) {
         double weight;
         double time[3];
