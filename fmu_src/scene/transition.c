@@ -261,7 +261,7 @@ static void begin_friction(const struct rubbed *r)
     end_friction(r);
     scene_now(r->q, &at);
     const double force = onset_force(&at, r->contact);
-    if (force == 0.0 && scene_is_hertz(r->v, r->contact)) {
+    if (force == 0.0 && scene_is_hertz(r->q->v, r->contact)) {
         leave_rest(r, &at);
     }
     struct friction_state rubbing = turning_rubbing(&at, r->contact, r->part);
