@@ -370,7 +370,7 @@ static void begin_form(struct pair_phase *all, enum phase_form form, double long
 /* Makes the chain, up to the time for which the contacts outside it stay apart. */
 static bool make_chain(struct pair_phase *all, const struct scene_instant *at, double longest)
 {
-    if (!SCENE_HAS_CHAINS || !chain_may_be(at->q) || !chain_make(&all->chain, at)) {
+    if (!SCENE_HAS_CHAINS || !chain_make(&all->chain, at)) {
         return false;
     }
     struct chain *c = &all->chain;
