@@ -51,7 +51,7 @@ static struct rim_state rim_state_at_node(const struct collocation *p, int i)
 /* Notes the angles' cosines and sines at the nodes, which last until the next sweep. */
 static void note_angles(struct collocation *p)
 {
-    for (int i = 0; i < p->nodes->points; ++i) {
+    for (int i = 0; i < LOBATTO_MAX; ++i) {
         p->angles[i] = rim_angles_of(&p->from.rim, p->result.change[0][i] - p->result.correction[0],
                                      p->result.change[1][i] - p->result.correction[1]);
     }
@@ -83,7 +83,7 @@ static double integrate_two(struct collocation *p, int first)
     double change = 0.0;
     for (int k = first; k < first + COLLOCATION_ANGLES; ++k) {
         bool rests = true;
-        for (int i = 0; i < p->nodes->points; ++i) {
+        for (int i = 0; i < LOBATTO_MAX; ++i) {
             rests = rests && p->result.rate[k][i] == 0.0;
         }
         change = rests ? change
@@ -111,18 +111,17 @@ static double hertz_push(const struct collocation *p, int i)
  * of the force at the nodes, and the load gets what the force differs from that of the oscillator. */
 static void linearize(struct collocation *p, double *load)
 {
-    const int points = p->nodes->points;
     const double chi = p->from.side * p->from.chi / p->half;
     struct oscillator mean = {0.0, 0.0};
     nodal_values rate;
-    for (int i = 0; i < points; ++i) {
+    for (int i = 0; i < LOBATTO_MAX; ++i) {
         const double push = hertz_push(p, i);
-        rate[i] = nodal_slope(p->result.slow, points, 1.0 + p->nodes->node[i]);
+        rate[i] = nodal_slope(p->result.slow, LOBATTO_MAX, 1.0 + p->nodes->node[i]);
         load[i] += push * (1.0 - chi * rate[i]);
-        mean.omega2 -= 1.5 * push / p->result.x[i] * (1.0 - chi * rate[i]) / points;
-        mean.damping_rate += push * chi / points;
+        mean.omega2 -= 1.5 * push / p->result.x[i] * (1.0 - chi * rate[i]) / LOBATTO_MAX;
+        mean.damping_rate += push * chi / LOBATTO_MAX;
     }
-    for (int i = 0; i < points; ++i) {
+    for (int i = 0; i < LOBATTO_MAX; ++i) {
         load[i] += mean.omega2 * p->result.x[i] + mean.damping_rate * rate[i];
     }
     p->result.oscillator = mean;
@@ -131,33 +130,31 @@ static void linearize(struct collocation *p, double *load)
 /* x = s + y: s is the particular solution for the load, y the free oscillation from the start values. */
 static void oscillator_response(struct collocation *p, double softening)
 {
-    const int points = p->nodes->points;
-    oscillator_particular(&p->result.oscillator, p->result.load, p->result.slow, points);
+    oscillator_particular(&p->result.oscillator, p->result.load, p->result.slow, LOBATTO_MAX);
     nodal_values_of(p->nodes, p->result.slow, p->result.x);
     p->result.oscillator.omega2 += softening;
     p->result.y = p->from.deviation - p->result.x[0];
-    p->result.y_rate = p->half * p->from.radial - nodal_slope(p->result.slow, points, 0.0);
+    p->result.y_rate = p->half * p->from.radial - nodal_slope(p->result.slow, LOBATTO_MAX, 0.0);
 }
 
 /* (D + slower)(D + faster) x = load with D = d/ds. u = (D + slower) x is the particular solution of (D +
  * faster) u = load plus a fast decay, which is y. X is the integral of X' = u - slower X. */
 static void overdamped_response(struct collocation *p)
 {
-    const int points = p->nodes->points;
     const struct oscillator_rates rates = oscillator_rates_of(&p->result.oscillator);
     nodal_values u;
     nodal_values u_at_nodes;
     nodal_values rate = {0.0};
-    relaxation_particular(rates.faster, p->result.load, u, points);
+    relaxation_particular(rates.faster, p->result.load, u, LOBATTO_MAX);
     nodal_values_of(p->nodes, u, u_at_nodes);
     const double fast = p->half * p->from.radial + rates.slower * p->from.deviation - u_at_nodes[0];
     p->result.y = -fast / (rates.faster - rates.slower);
     p->result.y_rate = -rates.faster * p->result.y;
-    for (int i = 0; i < points; ++i) {
+    for (int i = 0; i < LOBATTO_MAX; ++i) {
         rate[i] = u_at_nodes[i] - rates.slower * p->result.x[i];
     }
     (void)nodal_integrate(p->nodes, rate, p->result.x);
-    for (int i = 0; i < points; ++i) {
+    for (int i = 0; i < LOBATTO_MAX; ++i) {
         p->result.x[i] += p->from.deviation - p->result.y;
     }
     nodal_coefficients(p->nodes, p->result.x, p->result.slow);
@@ -170,22 +167,22 @@ enum { CREEP_STRIDE = LOBATTO_MAX + LANES };
  * present x and has the derivative -slope[j] with respect to it. */
 static void follow_rate(struct collocation *p, const double *rate, const double *slope)
 {
-    const int points = p->nodes->points;
     double at[LOBATTO_MAX * CREEP_STRIDE] = {0.0};
     double missing[CREEP_STRIDE] = {0.0};
     int pivot[LOBATTO_MAX];
-    const struct lu_matrix system = {points, CREEP_STRIDE, at, pivot};
+    const struct lu_matrix system = {LOBATTO_MAX, CREEP_STRIDE, at, pivot};
     (void)nodal_integrate(p->nodes, rate, missing);
-    for (int j = 0; j < points; ++j) {
+    for (int j = 0; j < LOBATTO_MAX; ++j) {
         missing[j] += p->from.deviation - p->result.x[j];
-        for (int i = 0; i < points; ++i) {
-            at[j * CREEP_STRIDE + i] = p->nodes->integral[j * points + i] * slope[j] + (i == j ? 1.0 : 0.0);
+        for (int i = 0; i < LOBATTO_MAX; ++i) {
+            at[j * CREEP_STRIDE + i] =
+                p->nodes->integral[j * LOBATTO_MAX + i] * slope[j] + (i == j ? 1.0 : 0.0);
         }
     }
     if (lu_factor(system)) {
         lu_solve(system, missing);
     }
-    for (int i = 0; i < points; ++i) {
+    for (int i = 0; i < LOBATTO_MAX; ++i) {
         p->result.x[i] += missing[i];
     }
 }
@@ -196,28 +193,27 @@ static void follow_rate(struct collocation *p, const double *rate, const double 
  * fast decay, by which v misses the rate of the start. */
 static void creeping_response(struct collocation *p, const double *load)
 {
-    const int points = p->nodes->points;
     nodal_values right = {0.0};
     nodal_values bend;
     nodal_values slope;
     double inverse = 0.0; /* mean of 1/decay */
-    for (int i = 0; i < points; ++i) {
+    for (int i = 0; i < LOBATTO_MAX; ++i) {
         const double push = hertz_push(p, i);
         const double decay = p->from.chi / p->half * fabs(push);
         double x[4];
-        nodal_derivatives(p->result.slow, points, 1.0 + p->nodes->node[i], x);
+        nodal_derivatives(p->result.slow, LOBATTO_MAX, 1.0 + p->nodes->node[i], x);
         bend[i] = x[2];
         right[i] = (load[i] + push - bend[i]) / decay;
         slope[i] = 1.5 * load[i] / (decay * p->result.x[i]);
-        inverse += 1.0 / (decay * points);
+        inverse += 1.0 / (decay * LOBATTO_MAX);
     }
-    for (int i = 0; i < points; ++i) {
+    for (int i = 0; i < LOBATTO_MAX; ++i) {
         right[i] = right[i] / inverse + bend[i];
     }
     nodal_values rate = {0.0};
     nodal_values a;
     nodal_coefficients(p->nodes, right, a);
-    relaxation_particular(1.0 / inverse, a, a, points);
+    relaxation_particular(1.0 / inverse, a, a, LOBATTO_MAX);
     nodal_values_of(p->nodes, a, rate);
     p->result.y_rate = p->half * p->from.radial - rate[0];
     p->result.y = -p->result.y_rate * inverse;
@@ -229,7 +225,7 @@ static void creeping_response(struct collocation *p, const double *load)
 static double size_of_deviation(const struct collocation *p)
 {
     double largest = fabs(p->result.y) + fabs(p->result.y_rate);
-    for (int k = 0; k < p->nodes->points; ++k) {
+    for (int k = 0; k < LOBATTO_MAX; ++k) {
         largest = larger(fabs(p->result.slow[k]), largest);
     }
     return largest;
@@ -257,7 +253,7 @@ static double respond(struct collocation *p, double *load, double softening)
     } else {
         overdamped_response(p);
     }
-    for (int i = 0; i < p->nodes->points; ++i) {
+    for (int i = 0; i < LOBATTO_MAX; ++i) {
         change = larger(fabs(p->result.slow[i] - before[i]), change);
     }
     const double size = size_of_deviation(p);
@@ -269,7 +265,6 @@ static double respond(struct collocation *p, double *load, double softening)
 CONTACT_FLATTEN static double sweep(struct collocation *p)
 {
     struct collocation_result *made = &p->result;
-    const int points = p->nodes->points;
     const double half2 = p->half * p->half;
     const double distance = p->from.rim.distance;
     const double scale = p->from.rim.rho / distance;
@@ -277,11 +272,11 @@ CONTACT_FLATTEN static double sweep(struct collocation *p)
     nodal_values per_rho_squared;
     nodal_values per_d_squared;
     double softening = 0.0; /* a mean over the step is half the integral over s */
-    for (int i = 0; i < points; ++i) {
+    for (int i = 0; i < LOBATTO_MAX; ++i) {
         const struct rim_state at = rim_state_at_node(p, i);
         const struct rim_slopes slopes = rim_slopes_at(&at, p->acceleration_at[i]);
         const double spin = slopes.azimuth * at.by.cosine;
-        const double weight = 0.5 * p->nodes->integral[i * points + points - 1];
+        const double weight = 0.5 * p->nodes->integral[i * LOBATTO_MAX + LOBATTO_MAX - 1];
         load[i] = half2 * slopes.load;
         softening += weight * 3.0 * half2 * (spin * spin + slopes.tilt * slopes.tilt);
         made->rate[2][i] = p->half * slopes.azimuth_momentum / scale;
@@ -297,7 +292,7 @@ CONTACT_FLATTEN static double sweep(struct collocation *p)
     const struct rim_state start = rim_state_at_start(p);
     put_correction(p, &start, p->from.acceleration[0], made->y, made->y_rate, made->correction);
     const double by_momentum = 2.0 * p->half / distance * integrate_two(p, COLLOCATION_ANGLES);
-    for (int i = 0; i < points; ++i) {
+    for (int i = 0; i < LOBATTO_MAX; ++i) {
         const double spun = scale * (made->change[2][i] - made->correction[2]);
         const double tilting = made->change[3][i] - made->correction[3];
         made->rate[0][i] = p->half * scale * (p->from.rim.azimuth_momentum + spun) * per_rho_squared[i];
@@ -319,12 +314,12 @@ static double tail_of_two(const struct collocation *p, int first)
  * smaller than the polynomial by a factor of its degree. */
 static double tail_of_all(struct collocation *p)
 {
-    const int points = p->nodes->points;
-    const double of_deviation = larger(fabs(p->result.slow[points - 1]), fabs(p->result.slow[points - 2]));
+    const double of_deviation =
+        larger(fabs(p->result.slow[LOBATTO_MAX - 1]), fabs(p->result.slow[LOBATTO_MAX - 2]));
     const double size = size_of_deviation(p);
     /* the first omitted coefficient is less than a quarter of the last one: their ratio is half the step's
      * radians, two at most, divided by the index */
-    const double left_out = 0.25 * ldexp(of_deviation, 2 - points);
+    const double left_out = 0.25 * ldexp(of_deviation, 2 - LOBATTO_MAX);
     const bool is_overdamped = p->kind == COLLOCATION_OVERDAMPED && p->from.hertz == 0.0;
     p->result.deviation_error = left_out;
     const double by_deviation =
@@ -334,7 +329,7 @@ static double tail_of_all(struct collocation *p)
     }
     const double by_normal = p->from.rim.distance * tail_of_two(p, 0);
     const double by_momentum = 2.0 * p->half / p->from.rim.distance * tail_of_two(p, COLLOCATION_ANGLES);
-    return larger(by_deviation, larger(by_normal, by_momentum) / points);
+    return larger(by_deviation, larger(by_normal, by_momentum) / LOBATTO_MAX);
 }
 
 /* Returns whether all values are finite and d > 0, because local coordinates are singular at the centre. */
@@ -343,7 +338,7 @@ static bool finish(struct collocation *p)
     if (CONTACT_ANY_CIRCLE && p->from.at_rim) {
         nodal_coefficients(p->nodes, p->result.rate[1], p->result.tilt_rate);
     }
-    for (int i = 0; i < p->nodes->points; ++i) {
+    for (int i = 0; i < LOBATTO_MAX; ++i) {
         double sum = 0.0;
         for (int k = 0; k < COLLOCATION_CHANGES; ++k) {
             sum += p->result.change[k][i];
@@ -425,10 +420,9 @@ void collocation_edges(const struct collocation *p, double s, const double x[4],
 {
     double tilt[3] = {p->from.rim.tilt, 0.0, 0.0};
     if (!p->from.head_on) {
-        const int points = p->nodes->points;
-        tilt[0] += nodal_integral(p->result.tilt_rate, points, s) - p->result.correction[1];
-        tilt[1] = taylor_at(p->result.tilt_rate, points, s - 1.0);
-        tilt[2] = nodal_slope(p->result.tilt_rate, points, s);
+        tilt[0] += nodal_integral(p->result.tilt_rate, LOBATTO_MAX, s) - p->result.correction[1];
+        tilt[1] = taylor_at(p->result.tilt_rate, LOBATTO_MAX, s - 1.0);
+        tilt[2] = nodal_slope(p->result.tilt_rate, LOBATTO_MAX, s);
         /* the oscillation y changes the tilt, too: see put_correction */
         double slow[4];
         collocation_averaged_deviation(p, s, slow);
@@ -446,7 +440,7 @@ void collocation_edges(const struct collocation *p, double s, const double x[4],
 
 void collocation_averaged_deviation(const struct collocation *p, double s, double x[4])
 {
-    nodal_derivatives(p->result.slow, p->nodes->points, s, x);
+    nodal_derivatives(p->result.slow, LOBATTO_MAX, s, x);
 }
 
 void collocation_deviation(const struct collocation *p, double s, double x[4])
@@ -460,15 +454,14 @@ void collocation_deviation(const struct collocation *p, double s, double x[4])
 
 void collocation_overdamped_push(const struct collocation *p, double s, double push[3])
 {
-    const int points = p->nodes->points;
     nodal_values bend;
     double of_bend[4];
     double of_load[4];
-    for (int k = 0; k < points; ++k) {
-        bend[k] = k + 2 < points ? (k + 1) * (k + 2) * p->result.slow[k + 2] : 0.0;
+    for (int k = 0; k < LOBATTO_MAX; ++k) {
+        bend[k] = k + 2 < LOBATTO_MAX ? (k + 1) * (k + 2) * p->result.slow[k + 2] : 0.0;
     }
-    nodal_derivatives(bend, points, s, of_bend);
-    nodal_derivatives(p->result.load, points, s, of_load);
+    nodal_derivatives(bend, LOBATTO_MAX, s, of_bend);
+    nodal_derivatives(p->result.load, LOBATTO_MAX, s, of_load);
     const double faster = oscillator_rates_of(&p->result.oscillator).faster;
     double fast = p->result.y * exp(-faster * s) * faster * faster;
     for (int i = 0; i < 3; ++i) {
@@ -481,12 +474,12 @@ void collocation_overdamped_push(const struct collocation *p, double s, double p
  * products of two polynomials. */
 static double along_slow(const struct collocation *p, const double *a, double s)
 {
-    const int points = p->nodes->points;
     double sum = 0.0;
-    for (int i = 0; i < points; ++i) {
+    for (int i = 0; i < LOBATTO_MAX; ++i) {
         const double at = 0.5 * s * (1.0 + p->nodes->node[i]);
-        const double part = taylor_at(a, points, at - 1.0) * nodal_slope(p->result.slow, points, at);
-        sum += 0.5 * s * p->nodes->integral[i * points + points - 1] * part;
+        const double part =
+            taylor_at(a, LOBATTO_MAX, at - 1.0) * nodal_slope(p->result.slow, LOBATTO_MAX, at);
+        sum += 0.5 * s * p->nodes->integral[i * LOBATTO_MAX + LOBATTO_MAX - 1] * part;
     }
     return sum;
 }
@@ -496,23 +489,23 @@ static double along_slow(const struct collocation *p, const double *a, double s)
  * where Q - Q' / faster = a. */
 static double along_oscillation(const struct collocation *p, const double *a, double s, const double y[4])
 {
-    const int points = p->nodes->points;
     const struct oscillator mirrored = {p->result.oscillator.omega2, -p->result.oscillator.damping_rate};
     const bool decays = p->kind == COLLOCATION_OVERDAMPED;
     const double factor = decays ? -oscillator_rates_of(&p->result.oscillator).faster : mirrored.omega2;
     const double by_rate = decays ? 0.0 : 1.0 / mirrored.omega2;
     nodal_values scaled = {0.0};
     nodal_values q = {0.0};
-    for (int k = 0; k < points; ++k) {
+    for (int k = 0; k < LOBATTO_MAX; ++k) {
         scaled[k] = factor * a[k];
     }
     if (decays) {
-        relaxation_particular(factor, scaled, q, points);
+        relaxation_particular(factor, scaled, q, LOBATTO_MAX);
     } else {
-        oscillator_particular(&mirrored, scaled, q, points);
+        oscillator_particular(&mirrored, scaled, q, LOBATTO_MAX);
     }
-    return taylor_at(q, points, s - 1.0) * y[0] - taylor_at(q, points, -1.0) * p->result.y +
-           by_rate * (nodal_slope(q, points, s) * y[1] - nodal_slope(q, points, 0.0) * p->result.y_rate);
+    return taylor_at(q, LOBATTO_MAX, s - 1.0) * y[0] - taylor_at(q, LOBATTO_MAX, -1.0) * p->result.y +
+           by_rate *
+               (nodal_slope(q, LOBATTO_MAX, s) * y[1] - nodal_slope(q, LOBATTO_MAX, 0.0) * p->result.y_rate);
 }
 
 /* The dissipated energy follows from the oscillator's balance of energy, which is exact at any frequency:
@@ -536,14 +529,13 @@ double collocation_dissipated(const struct collocation *p, double s)
 
 struct vec3 collocation_moment(const struct collocation *p, int power, double s)
 {
-    const int points = p->nodes->points;
     nodal_values moved[3];
     nodal_values along[3]; /* the factor of y */
     double slow[4];
     double y[4];
     double sum[3];
     deviation_parts(p, s, slow, y);
-    for (int i = 0; i < points; ++i) {
+    for (int i = 0; i < LOBATTO_MAX; ++i) {
         const double t = p->half * (1.0 + p->nodes->node[i]);
         const double weight = p->half * (power == 0 ? 1.0 : power == 1 ? t : t * t);
         const struct rim_state at = rim_state_at_node(p, i); /* without the oscillation */
@@ -562,7 +554,7 @@ struct vec3 collocation_moment(const struct collocation *p, int power, double s)
         (void)nodal_integrate(p->nodes, along[k], grown);
         nodal_coefficients(p->nodes, grown, b);
         /* by parts: with B' = b, the integral of b y is B y less that of B y' */
-        sum[k] = nodal_integral(a, points, s) + taylor_at(b, points, s - 1.0) * y[0] -
+        sum[k] = nodal_integral(a, LOBATTO_MAX, s) + taylor_at(b, LOBATTO_MAX, s - 1.0) * y[0] -
                  along_oscillation(p, b, s, y);
     }
     return vec3_from(sum);
@@ -581,7 +573,7 @@ static void begin(struct collocation *p, const struct collocation_problem *from,
     p->result.slow[0] = kind == COLLOCATION_AVERAGED && from->hertz == 0.0 ? load_at_start(p) / from->omega2
                                                                            : from->deviation;
     note_angles(p);
-    for (int i = 0; i < p->nodes->points; ++i) {
+    for (int i = 0; i < LOBATTO_MAX; ++i) {
         p->result.x[i] = p->result.slow[0];
         p->acceleration_at[i] = acceleration_then(p, 1.0 + p->nodes->node[i]);
     }

@@ -9,15 +9,6 @@
 
 #if SCENE_HAS_ISLANDS
 
-bool island_may_be(const struct scene_state *q)
-{
-    int touching = 0;
-    for (int j = 0; j < SCENE_CONTACTS && !scene_turns(q->v); ++j) {
-        touching += contact_pushes(q, j) ? 1 : 0;
-    }
-    return touching > 0 && touching <= ISLAND_MOST;
-}
-
 /* The error of a series, divided by the whole: a few roundings. A larger error would save few steps, and weak
  * forces that grow within a step would be lost. */
 static const double ACCURACY = 1e-15;
@@ -87,8 +78,8 @@ static bool add_touching(struct island *s, const struct scene_instant *at, int c
     const struct contact_geometry *g = &at->geometry[contact];
     const struct contact_shape shape = scene_contact_shape(at->q, contact);
     const int bodies[2] = {contact_source(contact), contact_destination(contact)};
-    if (g->degenerate || !knows_shape(at->v, &shape, contact) || !flight_is_steady(at->q, bodies[0]) ||
-        !flight_is_steady(at->q, bodies[1])) {
+    if (s->terms.rows == ISLAND_MOST || g->degenerate || !knows_shape(at->v, &shape, contact) ||
+        !flight_is_steady(at->q, bodies[0]) || !flight_is_steady(at->q, bodies[1])) {
         return false;
     }
     memset(r, 0, sizeof *r);
