@@ -142,7 +142,8 @@ static void rotate(double (*s)[CHAIN_MOST], double (*q)[CHAIN_MOST], int n, int 
 /* Jacobi's method needs some six sweeps; with more it would go round in roundings. */
 enum { SWEEPS = 30 };
 
-/* Diagonalizes a symmetric matrix: its diagonal becomes the eigenvalues, the rows of `q` the eigenvectors. Source: G. Golub, C. Van Loan, Matrix Computations (2013), 8.5. */
+/* Diagonalizes a symmetric matrix: its diagonal becomes the eigenvalues, the rows of `q` the eigenvectors.
+ * Source: G. Golub, C. Van Loan, Matrix Computations (2013), 8.5. */
 static void diagonalize(double (*s)[CHAIN_MOST], double (*q)[CHAIN_MOST], int n)
 {
     bool rotates = true;
@@ -230,8 +231,8 @@ struct mode_at {
 static const double RECIPROCAL[] = {0.0, RECIPROCALS_OF(1), RECIPROCALS_OF(6), RECIPROCALS_OF(11),
                                     RECIPROCALS_OF(16)};
 
-/* Returns (x - sin x)/x^3 for power = 3, (x^2/2 - 1 + cos x)/x^4 for power = 4, where x < 1: 1/p! - x^2/(p+2)!
- * + ... */
+/* Returns (x - sin x)/x^3 for power = 3, or (x^2/2 - 1 + cos x)/x^4 for power = 4, where x < 1:
+ * 1/p! - x^2/(p+2)! + ... with the power as p. */
 static double sine_remainder(double x, int power)
 {
     double sum = 0.0;
@@ -412,11 +413,9 @@ static double change_within(const struct chain *c, int row, const struct chain_p
 
 void chain_find_end(struct chain *c, double longest)
 {
-    bool may_change[CHAIN_MOST];
-    bool any = false;
-    for (int i = 0; i < c->rows; ++i) {
-        may_change[i] = i >= c->touching || c->most[i] >= 0.0;
-        any = any || may_change[i];
+    bool any = c->rows > c->touching;
+    for (int i = 0; i < c->touching; ++i) {
+        any = any || c->most[i] >= 0.0;
     }
     c->terminal = -1;
     c->end = fmin(longest, CHAIN_LONGEST / c->fastest);
@@ -425,7 +424,8 @@ void chain_find_end(struct chain *c, double longest)
         const double to = fmin(from + 1.0 / c->fastest, c->end);
         make_piece(c, from, to, &piece);
         for (int i = 0; i < c->rows; ++i) {
-            const double change = may_change[i] ? change_within(c, i, &piece, from) : (double)INFINITY;
+            const bool may_change = i >= c->touching || c->most[i] >= 0.0;
+            const double change = may_change ? change_within(c, i, &piece, from) : (double)INFINITY;
             if (change < c->end) {
                 c->end = change;
                 c->terminal = i;

@@ -33,12 +33,6 @@ static struct rim_state rim_state_by(const struct collocation *p, const double c
                         rim_angles_of(&p->from.rim, change[0], change[1]));
 }
 
-static struct rim_state rim_state_at_start(const struct collocation *p)
-{
-    const double none[COLLOCATION_CHANGES] = {0.0};
-    return rim_state_by(p, none, p->from.deviation);
-}
-
 static struct rim_state rim_state_at_node(const struct collocation *p, int i)
 {
     double change[COLLOCATION_CHANGES];
@@ -70,26 +64,12 @@ static void put_correction(const struct collocation *p, const struct rim_state *
     }
 }
 
-static double load_at_start(const struct collocation *p)
-{
-    const struct rim_state at = rim_state_at_start(p);
-    return rim_slopes_at(&at, p->from.acceleration[0]).load;
-}
-
-/* Integrates the nodal values of two changes from their rates; returns the largest change. In a plane motion
- * one of them rests. */
+/* Integrates two changes at the nodes from their rates; returns the largest difference to the last sweep. */
 static double integrate_two(struct collocation *p, int first)
 {
-    double change = 0.0;
-    for (int k = first; k < first + COLLOCATION_ANGLES; ++k) {
-        bool rests = true;
-        for (int i = 0; i < LOBATTO_MAX; ++i) {
-            rests = rests && p->result.rate[k][i] == 0.0;
-        }
-        change = rests ? change
-                       : larger(nodal_integrate(p->nodes, p->result.rate[k], p->result.change[k]), change);
-    }
-    return change;
+    struct collocation_result *made = &p->result;
+    return larger(nodal_integrate(p->nodes, made->rate[first], made->change[first]),
+                  nodal_integrate(p->nodes, made->rate[first + 1], made->change[first + 1]));
 }
 
 /* A step turns by about two radians of tangential motion. Sweep k multiplies the error by about these radians
@@ -289,7 +269,8 @@ CONTACT_FLATTEN static double sweep(struct collocation *p)
         /* the load does not depend on x under the linear law, but an overdamped X is iterated */
         return p->kind != COLLOCATION_OVERDAMPED && p->from.hertz == 0.0 ? 0.0 : by_load;
     }
-    const struct rim_state start = rim_state_at_start(p);
+    const double none[COLLOCATION_CHANGES] = {0.0};
+    const struct rim_state start = rim_state_by(p, none, p->from.deviation);
     put_correction(p, &start, p->from.acceleration[0], made->y, made->y_rate, made->correction);
     const double by_momentum = 2.0 * p->half / distance * integrate_two(p, COLLOCATION_ANGLES);
     for (int i = 0; i < LOBATTO_MAX; ++i) {
@@ -301,13 +282,6 @@ CONTACT_FLATTEN static double sweep(struct collocation *p)
     const double by_normal = distance * integrate_two(p, 0);
     note_angles(p);
     return larger(by_load, larger(by_momentum, by_normal));
-}
-
-/* Returns the largest error of the rates of two changes, by their last coefficients. */
-static double tail_of_two(const struct collocation *p, int first)
-{
-    return larger(nodal_tail(p->nodes, p->result.rate[first]),
-                  nodal_tail(p->nodes, p->result.rate[first + 1]));
 }
 
 /* Estimates the error from the last coefficients of the integrands. The integral of a Chebyshev polynomial is
@@ -327,9 +301,13 @@ static double tail_of_all(struct collocation *p)
     if (p->from.head_on) {
         return by_deviation;
     }
-    const double by_normal = p->from.rim.distance * tail_of_two(p, 0);
-    const double by_momentum = 2.0 * p->half / p->from.rim.distance * tail_of_two(p, COLLOCATION_ANGLES);
-    return larger(by_deviation, larger(by_normal, by_momentum) / LOBATTO_MAX);
+    double by_changes = 0.0;
+    for (int j = 0; j < COLLOCATION_CHANGES; ++j) {
+        const double length =
+            j < COLLOCATION_ANGLES ? p->from.rim.distance : 2.0 * p->half / p->from.rim.distance;
+        by_changes = larger(length * nodal_tail(p->nodes, p->result.rate[j]), by_changes);
+    }
+    return larger(by_deviation, by_changes / LOBATTO_MAX);
 }
 
 /* Returns whether all values are finite and d > 0, because local coordinates are singular at the centre. */
@@ -454,18 +432,17 @@ void collocation_deviation(const struct collocation *p, double s, double x[4])
 
 void collocation_overdamped_push(const struct collocation *p, double s, double push[3])
 {
-    nodal_values bend;
-    double of_bend[4];
-    double of_load[4];
+    nodal_values slow_push;
+    double of[4];
     for (int k = 0; k < LOBATTO_MAX; ++k) {
-        bend[k] = k + 2 < LOBATTO_MAX ? (k + 1) * (k + 2) * p->result.slow[k + 2] : 0.0;
+        const double bend = k + 2 < LOBATTO_MAX ? (k + 1) * (k + 2) * p->result.slow[k + 2] : 0.0;
+        slow_push[k] = bend - p->result.load[k];
     }
-    nodal_derivatives(bend, LOBATTO_MAX, s, of_bend);
-    nodal_derivatives(p->result.load, LOBATTO_MAX, s, of_load);
+    nodal_derivatives(slow_push, LOBATTO_MAX, s, of);
     const double faster = oscillator_rates_of(&p->result.oscillator).faster;
     double fast = p->result.y * exp(-faster * s) * faster * faster;
     for (int i = 0; i < 3; ++i) {
-        push[i] = of_bend[i] + fast - of_load[i];
+        push[i] = of[i] + fast;
         fast *= -faster;
     }
 }
@@ -560,8 +537,7 @@ struct vec3 collocation_moment(const struct collocation *p, int power, double s)
     return vec3_from(sum);
 }
 
-/* Makes first guesses: n and H as at the start, and a constant x, which is its start, or its equilibrium in
- * an averaged step under the linear law. */
+/* Makes first guesses: n, H and x as at the start. */
 static void begin(struct collocation *p, const struct collocation_problem *from, double step,
                   enum collocation_kind kind)
 {
@@ -570,8 +546,7 @@ static void begin(struct collocation *p, const struct collocation_problem *from,
     p->kind = kind;
     p->half = 0.5 * step;
     memset(&p->result, 0, sizeof p->result);
-    p->result.slow[0] = kind == COLLOCATION_AVERAGED && from->hertz == 0.0 ? load_at_start(p) / from->omega2
-                                                                           : from->deviation;
+    p->result.slow[0] = from->deviation;
     note_angles(p);
     for (int i = 0; i < LOBATTO_MAX; ++i) {
         p->result.x[i] = p->result.slow[0];

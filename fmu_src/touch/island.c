@@ -44,10 +44,8 @@ static int add_body(struct island *s, const struct scene_values *v, int body)
 {
     if (s->index[body] == 0 && body_is_free(v, body)) {
         s->index[body] = s->terms.bodies;
-        memset(&s->terms.body[s->terms.bodies], 0, sizeof s->terms.body[0]);
-        s->terms.body[s->terms.bodies].body = body;
-        s->terms.body[s->terms.bodies].by_mass = body_inverse_mass(v, body);
-        s->terms.bodies += 1;
+        s->body[s->terms.bodies++] =
+            (struct expansion_body){.body = body, .by_mass = body_inverse_mass(v, body)};
     }
     return s->index[body];
 }
@@ -400,13 +398,9 @@ long island_work(const struct island *s)
 
 bool island_make(struct island *s, const struct scene_instant *at, double longest, double quiet)
 {
-    s->terms.rows = 0;
-    s->terms.is_framed = false;
-    s->terms.row = s->row;
-    s->terms.body = s->body;
-    s->terms.bodies = s->terms.degree = 1;
+    s->terms = (struct expansion){.row = s->row, .body = s->body, .bodies = 1, .degree = 1};
+    s->body[0] = (struct expansion_body){.by_mass = 0.0};
     memset(s->index, 0, sizeof s->index);
-    memset(&s->terms.body[0], 0, sizeof s->terms.body[0]);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (contact_pushes(at->q, j) && !add_touching(s, at, j)) {
             return false;
@@ -417,8 +411,6 @@ bool island_make(struct island *s, const struct scene_instant *at, double longes
     if (is_quiet(s, quiet) || !choose_pace(s)) {
         return false;
     }
-    memset(&s->terms.pace, 0, sizeof s->terms.pace);
-    memset(s->terms.power_of_time, 0, sizeof s->terms.power_of_time);
     taylor_put(&s->terms.pace, 0,
                s->terms.paced_by < 0 ? 1.0 : sqrt(fmax(-s->terms.row[s->terms.paced_by].gap[0], 0.0)));
     expansion_make(&s->terms, 0, TAYLOR_ORDER);

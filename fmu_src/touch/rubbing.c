@@ -175,13 +175,6 @@ struct travel {
     struct body_turn turn;
 };
 
-/* Rotates without friction, by the angular velocity of way->turn. */
-static void turn_on(struct travel *way, double time)
-{
-    const struct rotor rotor = rotor_from(way->turn, 1.0, 1.0);
-    way->turn = rotor_at(&rotor, time);
-}
-
 enum { LAST_NODE = LOBATTO_MAX - 1 }; /* of the twelve Lobatto nodes of a panel */
 
 /* Values at the nodes of one panel of s. */
@@ -370,12 +363,12 @@ static struct travel travel_to(const struct slide *f, double s, const struct pai
         before *= way.time;
         way.lost[k] += lost * (power - before) / (k + 1);
     }
-    if (turning) {
-        turn_on(&way, end->time - way.time);
-    } else if (end->time > 0.0) {
-        way.turn.angular_velocity = vec3_axpy(f->rotation, way.lost[0] / end->time, f->spun);
-        turn_on(&way, end->time);
+    const double left = turning ? end->time - way.time : end->time;
+    if (!turning && left > 0.0) {
+        way.turn.angular_velocity = vec3_axpy(f->rotation, way.lost[0] / left, f->spun);
     }
+    const struct rotor rotor = rotor_from(way.turn, 1.0, 1.0);
+    way.turn = rotor_at(&rotor, left);
     way.turn.angular_velocity = vec3_axpy(f->rotation, lost, f->spun);
     return way;
 }
@@ -413,10 +406,8 @@ static void apply(const struct slide *f, const struct travel *way, const struct 
     for (int end_of = 0; end_of < PAIR_BODIES; ++end_of) {
         const double share = (end_of == 0 ? 1.0 : -1.0) * body_inverse_mass(q->v, ends[end_of]);
         struct body_state *body = &q->body[ends[end_of]];
-        if (body_is_free(q->v, ends[end_of])) {
-            body->velocity = vec3_axpy(body->velocity, share, impulse);
-            body->moved = vec3_axpy(body->moved, share, path);
-        }
+        body->velocity = vec3_axpy(body->velocity, share, impulse);
+        body->moved = vec3_axpy(body->moved, share, path);
     }
     if (body_is_prescribed(q->v, ends[1])) { /* its speed along the plane is constant */
         q->external_work += vec3_dot(impulse, path_at(q->path[ends[1]].velocity, 3, q->clock));
@@ -463,6 +454,15 @@ static bool cap_may_act(const struct segment *p, const struct friction_law *law)
 /* Most radians of the contact's oscillation that quadratures follow in one segment: some hundred panels. */
 static const double MOST_RADIANS = 400.0;
 
+/* Returns the s up to which a segment that ends at `end` needs no quadrature. */
+static double closed_until(const struct slide *f, double end)
+{
+    if (!(f->per_impulse > 0.0)) {
+        return end;
+    }
+    return axis_turns(f, f->slip, segment_time(f->segment, end)) ? 0.0 : end_of_full_friction(f, end);
+}
+
 bool rubbing_allows(struct segment *p, const struct scene_state *q, int contact)
 {
     const struct friction_law law = scene_friction_law(q, contact, OPPOSED_SLIP);
@@ -474,11 +474,8 @@ bool rubbing_allows(struct segment *p, const struct scene_state *q, int contact)
     const double radians = radians_in(p, time);
     if (radians > MOST_RADIANS) {
         const struct slide f = slide_of(p, q, contact);
-        const bool slips = f.per_impulse > 0.0;
-        const double full = !slips ? end : axis_turns(&f, f.slip, time) ? 0.0 : end_of_full_friction(&f, end);
-        if (full < end) {
-            p->end = fmin(segment_place(p, segment_time(p, full) + time * (MOST_RADIANS / radians)), end);
-        }
+        const double until = segment_time(p, closed_until(&f, end)) + time * (MOST_RADIANS / radians);
+        p->end = until < time ? segment_place(p, until) : p->end;
     }
     p->work += 1 + (int)fmin(radians, MOST_RADIANS);
     return true;
@@ -489,12 +486,7 @@ double rubbing_short_until(const struct segment *p, const struct scene_state *q,
     const struct slide f = slide_of(p, q, contact);
     const double end = fmin(p->end, p->terminal.s);
     const double time = segment_time(p, end);
-    if (!(f.per_impulse > 0.0)) {
-        return (double)INFINITY;
-    }
-    if (axis_turns(&f, f.slip, time)) {
-        return 0.0;
-    }
-    const double full = segment_time(p, end_of_full_friction(&f, end));
-    return radians_in(p, time - full) > LONGEST_PANEL ? full : (double)INFINITY;
+    const double until = segment_time(p, closed_until(&f, end));
+    const bool turns = f.per_impulse > 0.0 && axis_turns(&f, f.slip, time);
+    return turns || radians_in(p, time - until) > LONGEST_PANEL ? until : (double)INFINITY;
 }
