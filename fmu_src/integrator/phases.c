@@ -211,10 +211,11 @@ static bool any_is_coupled(const struct scene_state *q)
  * body takes part in two contacts that transmit forces. others_apart_for sees to it that no other contact
  * begins: the gap of such a contact must change no faster than its separation, so that a bound of the speeds
  * shows how long it stays apart, and nothing that turns may change the gap. */
-static bool pairs_are_alone(const struct scene_state *q)
+static bool pairs_are_alone(const struct scene_instant *at)
 {
+    const struct scene_state *q = at->q;
     for (int j = 0; SCENE_ANY_TURNING && scene_turns(q->v) && j < SCENE_CONTACTS; ++j) {
-        if (contact_transmits(q, j) && !rubbing_is_solvable(q, j)) {
+        if (contact_transmits(q, j) && !rubbing_is_solvable(at, j)) {
             return false;
         }
     }
@@ -370,7 +371,7 @@ static void begin_form(struct pair_phase *all, enum phase_form form, double long
 /* Makes the chain, up to the time for which the contacts outside it stay apart. */
 static bool make_chain(struct pair_phase *all, const struct scene_instant *at, double longest)
 {
-    if (!SCENE_HAS_CHAINS || !chain_may_be(at->q) || !chain_make(&all->chain, at)) {
+    if (!SCENE_HAS_CHAINS || !chain_make(&all->chain, at)) {
         return false;
     }
     struct chain *c = &all->chain;
@@ -391,7 +392,7 @@ static bool make_chain(struct pair_phase *all, const struct scene_instant *at, d
 static bool make_island(struct pair_phase *all, const struct scene_instant *at, double longest)
 {
     double quiet = (double)INFINITY;
-    if (!SCENE_HAS_ISLANDS || !island_may_be(at->q)) {
+    if (!SCENE_HAS_ISLANDS || scene_turns(at->q->v)) {
         return false;
     }
     struct island *s = all->island;
@@ -414,7 +415,7 @@ static bool make_island(struct pair_phase *all, const struct scene_instant *at, 
  * phase, the segments made before are made again, because a segment is most accurate at its own end. */
 static bool make_segments(struct pair_phase *all, const struct scene_instant *at, double longest)
 {
-    if (!pairs_are_alone(at->q)) {
+    if (!pairs_are_alone(at)) {
         return false;
     }
     begin_form(all, PHASE_OF_SEGMENTS, others_apart_for(at, NULL, longest));
@@ -712,7 +713,8 @@ static enum advance_result advance_phase(struct integrator *s, struct scene_stat
         flight_advance(q, step->clock_end);
         return ADVANCE_REACHED;
     }
-    if (solver_method(v) == SOLVER_METHOD_EVENT_DRIVEN && (!general_goes_on(q) || pairs_are_alone(q))) {
+    if (solver_method(v) == SOLVER_METHOD_EVENT_DRIVEN &&
+        (!general_goes_on(q) || pairs_are_alone(advance_now(step, q)))) {
         result = advance_pairs(s, q, step);
     }
 #if SCENE_HAS_GENERAL

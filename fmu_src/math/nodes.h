@@ -11,17 +11,6 @@
 
 typedef double nodal_values[LOBATTO_MAX];
 
-struct nodal_vec3 {
-    nodal_values x, y, z;
-};
-
-static inline void nodal_put_vec3(struct nodal_vec3 *row, int node, struct vec3 a)
-{
-    row->x[node] = a.x;
-    row->y[node] = a.y;
-    row->z[node] = a.z;
-}
-
 /* Convert nodal values to coefficients, and coefficients to nodal values. */
 void nodal_coefficients(const struct lobatto *nodes, const double *values, double *a);
 void nodal_values_of(const struct lobatto *nodes, const double *a, double *values);

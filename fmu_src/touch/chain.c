@@ -20,25 +20,6 @@ static const double LEAST_STIFFNESS = 16.0 * DBL_EPSILON;
 /* A chain lasts at most this many radians of the fastest mode. To search them costs some ten milliseconds. */
 static const double CHAIN_LONGEST = 10000.0;
 
-bool chain_may_be(const struct scene_state *q)
-{
-    int touching = 0;
-    if (scene_turns(q->v)) {
-        return false;
-    }
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (contact_pushes(q, j)) {
-            const struct contact_law law = scene_contact_law(q, j);
-            const double k = contact_coefficients_of(&law, REGIME_COMPRESSION).k; /* 0 under Hertz's law */
-            if (!contact_is_elastic(&law) || !(k > 0.0)) {
-                return false;
-            }
-            touching += 1;
-        }
-    }
-    return touching > 0 && touching <= CHAIN_MOST;
-}
-
 /* Whether a vector has no part across the normal of a contact that turns the normal or moves the point of
  * contact of a torque, but for rounding of vectors of this size. */
 static bool goes_along(const struct contact_shape *shape, struct vec3 normal, struct vec3 a, double size)
@@ -70,17 +51,22 @@ static bool flies_along(const struct chain *c, const struct scene_instant *at, i
 /* Returns W_ij [1/kg] without the factor u_i.u_j. */
 static double shared_inverse_mass(const struct scene_values *v, int i, int j)
 {
-    const int ends[2][2] = {{contact_source(i), contact_destination(i)},
-                            {contact_source(j), contact_destination(j)}};
+    const int ends[2] = {contact_source(j), contact_destination(j)};
     double sum = 0.0;
-    for (int k = 0; k < 4; ++k) {
-        const int a = k / 2;
-        const int b = k % 2;
-        if (ends[0][a] == ends[1][b] && body_is_free(v, ends[0][a])) {
-            sum += (a == b ? 1.0 : -1.0) / body_mass(v, ends[0][a]);
+    for (int end = 0; end < 2; ++end) {
+        const bool is_source = ends[end] == contact_source(i);
+        if (is_source || ends[end] == contact_destination(i)) {
+            sum += (is_source == (end == 0) ? 1.0 : -1.0) * body_inverse_mass(v, ends[end]);
         }
     }
     return sum;
+}
+
+/* Whether a contact has a spring alone, under the linear law. */
+static bool is_spring(const struct scene_state *q, int contact)
+{
+    const struct contact_law law = scene_contact_law(q, contact);
+    return contact_is_elastic(&law) && contact_coefficients_of(&law, REGIME_COMPRESSION).k > 0.0;
 }
 
 static bool chain_add(struct chain *c, const struct scene_instant *at, int contact)
@@ -132,36 +118,32 @@ bool chain_has(const struct chain *c, int contact)
     return false;
 }
 
+/* Turns two rows, or with a stride two columns. */
+static void turn_two(double *a, double *b, int stride, int n, double cosine, double sine)
+{
+    for (int k = 0; k < n * stride; k += stride) {
+        const double before = a[k];
+        a[k] = cosine * before - sine * b[k];
+        b[k] = sine * before + cosine * b[k];
+    }
+}
+
 /* Turns the rows and columns a and b of S so that S_ab becomes zero, and the rows a and b of Q^T. */
 static void rotate(double (*s)[CHAIN_MOST], double (*q)[CHAIN_MOST], int n, int a, int b)
 {
     const double theta = 0.5 * (s[b][b] - s[a][a]) / s[a][b];
     const double t = copysign(1.0, theta) / (fabs(theta) + sqrt(1.0 + theta * theta));
     const double cosine = 1.0 / sqrt(1.0 + t * t);
-    const double sine = t * cosine;
-    const double moved = t * s[a][b];
-    s[a][a] -= moved;
-    s[b][b] += moved;
-    s[a][b] = 0.0;
-    for (int k = 0; k < n; ++k) {
-        if (k != a && k != b) {
-            double *of_a = k < a ? &s[k][a] : &s[a][k];
-            double *of_b = k < b ? &s[k][b] : &s[b][k];
-            const double before = *of_a;
-            *of_a = cosine * before - sine * *of_b;
-            *of_b = sine * before + cosine * *of_b;
-        }
-        const double before = q[a][k];
-        q[a][k] = cosine * before - sine * q[b][k];
-        q[b][k] = sine * before + cosine * q[b][k];
-    }
+    turn_two(s[a], s[b], 1, n, cosine, t * cosine);
+    turn_two(&s[0][a], &s[0][b], CHAIN_MOST, n, cosine, t * cosine);
+    turn_two(q[a], q[b], 1, n, cosine, t * cosine);
 }
 
 /* Jacobi's method needs some six sweeps; with more it would go round in roundings. */
 enum { SWEEPS = 30 };
 
-/* Diagonalizes a symmetric matrix, of which the upper half is given: its diagonal becomes the eigenvalues,
- * the rows of `q` the eigenvectors. Source: G. Golub, C. Van Loan, Matrix Computations (2013), 8.5. */
+/* Diagonalizes a symmetric matrix: its diagonal becomes the eigenvalues, the rows of `q` the eigenvectors.
+ * Source: G. Golub, C. Van Loan, Matrix Computations (2013), 8.5. */
 static void diagonalize(double (*s)[CHAIN_MOST], double (*q)[CHAIN_MOST], int n)
 {
     bool rotates = true;
@@ -194,7 +176,7 @@ static bool make_modes(struct chain *c)
     double q[CHAIN_MOST][CHAIN_MOST];
     const int n = c->touching;
     for (int i = 0; i < n; ++i) {
-        for (int j = i; j < n; ++j) {
+        for (int j = 0; j < n; ++j) {
             s[i][j] = c->root[i] * c->root[j] * vec3_dot(c->push[i], c->push[j]) * c->shared[i][j];
         }
     }
@@ -249,15 +231,15 @@ struct mode_at {
 static const double RECIPROCAL[] = {0.0, RECIPROCALS_OF(1), RECIPROCALS_OF(6), RECIPROCALS_OF(11),
                                     RECIPROCALS_OF(16)};
 
-/* Returns (x - sin x)/x^3, or with `next` (x^2/2 - 1 + cos x)/x^4, for x < 1: 1/p! - x^2/(p+2)! + ... */
-static double sine_remainder(double x, bool next)
+/* Returns (x - sin x)/x^3 for power = 3, or (x^2/2 - 1 + cos x)/x^4 for power = 4, where x < 1:
+ * 1/p! - x^2/(p+2)! + ... with the power as p. */
+static double sine_remainder(double x, int power)
 {
-    const double square = x * x;
     double sum = 0.0;
-    for (int p = next ? 20 : 19; p > 4; p -= 2) {
-        sum = (1.0 - square * sum) * (RECIPROCAL[p] * RECIPROCAL[p - 1]);
+    for (int p = power + 16; p > power; p -= 2) {
+        sum = (1.0 - x * x * sum) * (RECIPROCAL[p] * RECIPROCAL[p - 1]);
     }
-    return (1.0 - square * sum) / (next ? 24.0 : 6.0);
+    return (1.0 - x * x * sum) / (power == 3 ? 6.0 : 24.0);
 }
 
 /* How modes go on within a time: sin(x) / omega, its integral, and cos(x). */
@@ -293,9 +275,8 @@ static struct mode_at mode_at(const struct chain *c, int k, double t, bool with_
         const double x = omega * t;
         const double square = omega * omega;
         const double cube = t * t * t;
-        const double third = x < 1.0 ? cube * sine_remainder(x, false) : (t - by.first) / square;
-        const double fourth =
-            x < 1.0 ? cube * t * sine_remainder(x, true) : (0.5 * t * t - by.second) / square;
+        const double third = x < 1.0 ? cube * sine_remainder(x, 3) : (t - by.first) / square;
+        const double fourth = x < 1.0 ? cube * t * sine_remainder(x, 4) : (0.5 * t * t - by.second) / square;
         mode.integral = c->start[k] * t + c->start_rate[k] * by.second + c->start_bend[k] * third;
         mode.second = 0.5 * c->start[k] * t * t + c->start_rate[k] * third + c->start_bend[k] * fourth;
     }
@@ -432,11 +413,9 @@ static double change_within(const struct chain *c, int row, const struct chain_p
 
 void chain_find_end(struct chain *c, double longest)
 {
-    bool may_change[CHAIN_MOST];
-    bool any = false;
-    for (int i = 0; i < c->rows; ++i) {
-        may_change[i] = i >= c->touching || c->most[i] >= 0.0;
-        any = any || may_change[i];
+    bool any = c->rows > c->touching;
+    for (int i = 0; i < c->touching; ++i) {
+        any = any || c->most[i] >= 0.0;
     }
     c->terminal = -1;
     c->end = fmin(longest, CHAIN_LONGEST / c->fastest);
@@ -445,7 +424,8 @@ void chain_find_end(struct chain *c, double longest)
         const double to = fmin(from + 1.0 / c->fastest, c->end);
         make_piece(c, from, to, &piece);
         for (int i = 0; i < c->rows; ++i) {
-            const double change = may_change[i] ? change_within(c, i, &piece, from) : (double)INFINITY;
+            const bool may_change = i >= c->touching || c->most[i] >= 0.0;
+            const double change = may_change ? change_within(c, i, &piece, from) : (double)INFINITY;
             if (change < c->end) {
                 c->end = change;
                 c->terminal = i;
@@ -476,9 +456,12 @@ bool chain_make(struct chain *c, const struct scene_instant *at)
 {
     const struct scene_state *q = at->q;
     c->rows = 0;
+    if (scene_turns(q->v)) {
+        return false;
+    }
     note_sizes(c, at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (contact_pushes(q, j) && !chain_add(c, at, j)) {
+        if (contact_pushes(q, j) && !(is_spring(q, j) && chain_add(c, at, j))) {
             return false;
         }
     }
@@ -497,7 +480,7 @@ bool chain_make(struct chain *c, const struct scene_instant *at)
             return false;
         }
     }
-    if (!make_modes(c)) {
+    if (c->touching == 0 || !make_modes(c)) {
         return false;
     }
     bound_gaps(c);
@@ -516,86 +499,70 @@ static const double CHAIN_WORTH = 1e-9;
 /* In this part of a radian of the fastest mode a gap has one extremum at most that counts. */
 static const double CHAIN_PART = 0.5;
 
-/* The search for the peak of a contact in touch. */
-struct chain_peak {
-    struct gap_at before; /* at the start of the present part */
-    double depth;         /* the largest so far [m] */
-    double deepest;       /* bound of the depth [m] */
-};
-
-/* Raises the depth to that at the end of a part, or at a top within. */
-static void raise_peak(struct chain_peak *peak, const struct chain *c, int row,
-                       const struct chain_instant *end, double length)
+/* Returns the depth raised to that at the end of a part, or at a top within, from `before`, the motion at its
+ * start, and sets this to the motion at its end. */
+static double raised_peak(double depth, struct gap_at *before, const struct chain *c, int row,
+                          const struct chain_instant *end, double length)
 {
-    const struct gap_at before = peak->before;
+    const struct root_bracket_end low = {end->time - length, before->rate, before->bend};
     const struct gap_at after = chain_gap_at(c, row, end);
-    const double most = fmin(-length * before.rate - before.gap, length * after.rate - after.gap);
-    peak->before = after;
-    peak->depth = fmax(peak->depth, -after.gap);
-    if (before.rate < 0.0 && after.rate > 0.0 && most > peak->depth * (1.0 + CHAIN_WORTH)) {
-        const struct root_bracket_end low = {end->time - length, before.rate, before.bend};
+    const double most = fmin(-length * before->rate - before->gap, length * after.rate - after.gap);
+    *before = after;
+    depth = fmax(depth, -after.gap);
+    if (low.value < 0.0 && after.rate > 0.0 && most > depth * (1.0 + CHAIN_WORTH)) {
         const struct root_bracket_end high = {end->time, after.rate, after.bend};
         struct chain_instant at;
         chain_at(c, root_guess(low, high), &at, false);
         const struct gap_at top =
             chain_gap_at(c, row, &at); /* one step of Newton's method leads to the top */
-        peak->depth = fmax(peak->depth, 0.5 * top.rate * top.rate / top.bend - top.gap);
+        depth = fmax(depth, 0.5 * top.rate * top.rate / top.bend - top.gap);
     }
+    return depth;
 }
 
 /* Notes the largest forces and depths of the contacts in touch between two times. */
 static void note_peaks_of_chain(const struct chain *c, double from, double to, struct scene_state *q)
 {
-    struct chain_peak peak[CHAIN_MOST];
+    struct gap_at before[CHAIN_MOST]; /* at the start of the present part */
+    double depth[CHAIN_MOST];         /* the largest so far [m] */
     struct mode_step step[CHAIN_MOST];
     struct chain_instant at;
     bool any = true;
     const double part = CHAIN_PART / c->fastest;
     chain_at(c, from, &at, false);
-    for (int k = 0; k < c->touching && from + part < to; ++k) {
-        step[k] = mode_step_of(c->frequency[k], part);
-    }
     for (int i = 0; i < c->touching; ++i) {
-        peak[i].before = chain_gap_at(c, i, &at);
-        peak[i].depth = fmax(q->contact[c->contact[i]].peaks.penetration, -peak[i].before.gap);
-        peak[i].deepest = -c->least[i];
+        step[i] = mode_step_of(c->frequency[i], part);
+        before[i] = chain_gap_at(c, i, &at);
+        depth[i] = fmax(q->contact[c->contact[i]].peaks.penetration, -before[i].gap);
     }
-    for (double time = from; time < to && any;) {
-        const double next = fmin(time + part, to);
+    for (double time = from; time < to && any; time += part) {
         any = false;
-        for (int k = 0; k < c->touching && next < to; ++k) {
+        for (int k = 0; k < c->touching; ++k) {
             mode_go_on(c, k, &step[k], &at.mode[k]);
         }
-        if (next < to) {
-            at.time = next;
-        } else {
+        at.time = time + part;
+        if (at.time >= to) {
             chain_at(c, to, &at, false);
         }
         for (int i = 0; i < c->touching; ++i) {
-            if (peak[i].deepest > peak[i].depth * (1.0 + CHAIN_WORTH)) {
+            if (-c->least[i] > depth[i] * (1.0 + CHAIN_WORTH)) {
                 any = true;
-                raise_peak(&peak[i], c, i, &at, next - time);
+                depth[i] = raised_peak(depth[i], &before[i], c, i, &at, at.time - time);
             }
         }
-        time = next;
     }
     for (int i = 0; i < c->touching; ++i) {
         const struct contact_law law = scene_contact_law(q, c->contact[i]);
         contact_peaks_note(&q->contact[c->contact[i]].peaks,
-                           contact_force(&law, REGIME_COMPRESSION, -peak[i].depth, 0.0), peak[i].depth);
+                           contact_force(&law, REGIME_COMPRESSION, -depth[i], 0.0), depth[i]);
     }
 }
 
-/* What the contact forces add to the flight of a body. */
-struct body_change {
-    bool is_loaded;
-    struct vec3 moved, velocity;
-};
-
 void chain_advance(const struct chain *c, double from, double time, struct scene_state *q)
 {
-    struct body_change change[SCENE_BODIES] = {{.is_loaded = false}};
+    struct body_state change[SCENE_BODIES]; /* what the contact forces add to the flight of a body */
     struct chain_instant at;
+    memset(change, 0, sizeof change);
     if (from < time) {
         note_peaks_of_chain(c, from, time, q);
     }
@@ -603,7 +570,6 @@ void chain_advance(const struct chain *c, double from, double time, struct scene
     for (int i = 0; i < c->touching; ++i) {
         const int contact = c->contact[i];
         struct contact_state *state = &q->contact[contact];
-        const int ends[2] = {contact_source(contact), contact_destination(contact)};
         double impulse = 0.0; /* integral of F = -k g */
         double second = 0.0;
         for (int k = 0; k < c->touching; ++k) {
@@ -611,13 +577,10 @@ void chain_advance(const struct chain *c, double from, double time, struct scene
             second -= c->root[i] * c->root[i] * c->mode[i][k] * at.mode[k].second;
         }
         for (int end = 0; end < 2; ++end) {
-            if (body_is_free(q->v, ends[end])) {
-                struct body_change *body = &change[ends[end]];
-                const double by_mass = (end == 0 ? -1.0 : 1.0) / body_mass(q->v, ends[end]);
-                body->is_loaded = true;
-                body->velocity = vec3_axpy(body->velocity, by_mass * impulse, c->push[i]);
-                body->moved = vec3_axpy(body->moved, by_mass * second, c->push[i]);
-            }
+            const int body = end == 0 ? contact_source(contact) : contact_destination(contact);
+            const double by_mass = (end == 0 ? -1.0 : 1.0) * body_inverse_mass(q->v, body);
+            change[body].velocity = vec3_axpy(change[body].velocity, by_mass * impulse, c->push[i]);
+            change[body].moved = vec3_axpy(change[body].moved, by_mass * second, c->push[i]);
         }
         struct contact_impulses *sum = &state->physics.impulse;
         sum->force = vec3_axpy(sum->force, -impulse, c->push[i]);
@@ -629,7 +592,7 @@ void chain_advance(const struct chain *c, double from, double time, struct scene
         state->physics.rate_rounding = 0.0;
     }
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (change[i].is_loaded) {
+        if (body_is_free(q->v, i) && body_is_loaded(q, i, -1)) {
             q->external_work += vec3_dot(q->path[i].force[0], change[i].moved);
             flight_deviate(q, i, time, change[i].moved, change[i].velocity);
         }

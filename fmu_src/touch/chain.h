@@ -55,9 +55,6 @@ struct chain {
     int terminal;              /* the row of this contact; -1: none changes */
 };
 
-/* Whether the contacts in touch may be a chain, by their laws; chain_make tells by their motion. */
-bool chain_may_be(const struct scene_state *q);
-
 /* Makes the chain of all contacts in touch from the present instant. Returns false where it is none. */
 bool chain_make(struct chain *c, const struct scene_instant *at);
 

@@ -6,11 +6,6 @@
 #include "math/series.h"
 #include "touch/collocation.h"
 
-static struct vec3 at_row(const struct nodal_vec3 *row, int i)
-{
-    return vec3_make(row->x[i], row->y[i], row->z[i]);
-}
-
 /* Returns A in the frame at s [m/s^2]. */
 static struct vec3 acceleration_then(const struct collocation *p, double s)
 {
@@ -28,122 +23,53 @@ static double collocation_oscillation_integral(const struct collocation *p, doub
     return p->half * integral;
 }
 
-/* How n and H turn, in the coordinates of rim.h: n.x and n.y are the changes of azimuth and tilt, h.x and h.y
- * those of their momenta. */
+/* How n and H turn, in the coordinates of rim.h. */
 
-/* Returns the state at a rim from the changes n of the angles and h of their momenta, and from x. */
-static struct rim_state rim_state_by(const struct collocation *p, struct vec3 n, struct vec3 h, double x)
+/* Returns the state at a rim from the changes of n and H, and from x. */
+static struct rim_state rim_state_by(const struct collocation *p, const double change[COLLOCATION_CHANGES],
+                                     double x)
 {
-    const double change[4] = {n.x, n.y, h.x, h.y};
-    return rim_state_of(&p->from.rim, change, x - p->from.deviation, rim_angles_of(&p->from.rim, n.x, n.y));
-}
-
-static struct rim_state rim_state_at_start(const struct collocation *p)
-{
-    const struct vec3 zero = {0.0, 0.0, 0.0};
-    return rim_state_by(p, zero, zero, p->from.deviation);
+    return rim_state_of(&p->from.rim, change, x - p->from.deviation,
+                        rim_angles_of(&p->from.rim, change[0], change[1]));
 }
 
 static struct rim_state rim_state_at_node(const struct collocation *p, int i)
 {
-    const double change[4] = {p->result.n.x[i] - p->result.normal_correction.x,
-                              p->result.n.y[i] - p->result.normal_correction.y,
-                              p->result.h.x[i] - p->result.momentum_correction.x,
-                              p->result.h.y[i] - p->result.momentum_correction.y};
+    double change[COLLOCATION_CHANGES];
+    for (int k = 0; k < COLLOCATION_CHANGES; ++k) {
+        change[k] = p->result.change[k][i] - p->result.correction[k];
+    }
     return rim_state_of(&p->from.rim, change, p->result.x[i] - p->from.deviation, p->angles[i]);
 }
 
 /* Notes the angles' cosines and sines at the nodes, which last until the next sweep. */
 static void note_angles(struct collocation *p)
 {
-    for (int i = 0; i < p->nodes->points; ++i) {
-        p->angles[i] = rim_angles_of(&p->from.rim, p->result.n.x[i] - p->result.normal_correction.x,
-                                     p->result.n.y[i] - p->result.normal_correction.y);
+    for (int i = 0; i < LOBATTO_MAX; ++i) {
+        p->angles[i] = rim_angles_of(&p->from.rim, p->result.change[0][i] - p->result.correction[0],
+                                     p->result.change[1][i] - p->result.correction[1]);
     }
 }
 
-/* Returns the derivatives of the rates with respect to d times the integral of y. */
-static struct collocation_correction correction_of(const struct collocation *p, const struct rim_state *at,
-                                                   struct vec3 acceleration, double y, double y_rate)
+/* Sets what an oscillation y adds to the changes of n and H at constant load, acceleration and d. y changes
+ * their rates by P y, where P varies slowly. The integral of P y is -P (y' + damping_rate y) / omega2, up to
+ * terms smaller by the ratio of the slow rate to the oscillation's. */
+static void put_correction(const struct collocation *p, const struct rim_state *at, struct vec3 acceleration,
+                           double y, double y_rate, double correction[COLLOCATION_CHANGES])
 {
     const double by = collocation_oscillation_integral(p, y, y_rate);
-    double slopes[4];
-    rim_slopes_by_distance(&p->from.rim, at, acceleration, slopes);
-    return (struct collocation_correction){vec3_make(by * slopes[0], by * slopes[1], 0.0),
-                                           vec3_make(by * slopes[2], by * slopes[3], 0.0)};
-}
-
-static double load_at_start(const struct collocation *p)
-{
-    const struct rim_state at = rim_state_at_start(p);
-    return rim_slopes_at(&at, p->from.acceleration[0]).load;
-}
-
-/* Sets `values` to the load f times half^2 [m] at the nodes, and `softening` to half of -half^2 df/dx by the
- * centrifugal terms. */
-static void put_load(const struct collocation *p, double *values, double *softening)
-{
-    const double half2 = p->half * p->half;
-    for (int i = 0; i < p->nodes->points; ++i) {
-        const struct rim_state at = rim_state_at_node(p, i);
-        const struct rim_slopes slopes = rim_slopes_at(&at, at_row(&p->acceleration_at, i));
-        const double spin = slopes.azimuth * at.by.cosine;
-        values[i] = half2 * slopes.load;
-        softening[i] = 1.5 * half2 * (spin * spin + slopes.tilt * slopes.tilt);
+    rim_slopes_by_distance(&p->from.rim, at, acceleration, correction);
+    for (int k = 0; k < COLLOCATION_CHANGES; ++k) {
+        correction[k] *= by;
     }
 }
 
-/* Integrates the nodal values of two coordinates from their rates; returns the largest change. In a plane
- * motion one of them rests. */
-static double integrate_two(const struct collocation *p, const struct nodal_vec3 *rate,
-                            struct nodal_vec3 *sum)
+/* Integrates two changes at the nodes from their rates; returns the largest difference to the last sweep. */
+static double integrate_two(struct collocation *p, int first)
 {
-    const double *const rates[2] = {rate->x, rate->y};
-    double *const sums[2] = {sum->x, sum->y};
-    double change = 0.0;
-    for (int k = 0; k < 2; ++k) {
-        bool rests = true;
-        for (int i = 0; i < p->nodes->points; ++i) {
-            rests = rests && rates[k][i] == 0.0;
-        }
-        change = rests ? change : larger(nodal_integrate(p->nodes, rates[k], sums[k]), change);
-    }
-    return change;
-}
-
-/* Makes one sweep of n and H, at the x that the nodes have; returns the largest change [m]. */
-CONTACT_FLATTEN static double turn(struct collocation *p)
-{
-    if (p->from.head_on) {
-        return 0.0;
-    }
-    const double distance = p->from.rim.distance;
-    const double scale = p->from.rim.rho / distance;
-    const struct rim_state start = rim_state_at_start(p);
-    const struct collocation_correction correction =
-        correction_of(p, &start, p->from.acceleration[0], p->result.y, p->result.y_rate);
-    p->result.normal_correction = correction.normal;
-    p->result.momentum_correction = correction.momentum;
-    nodal_values per_rho_squared;
-    nodal_values per_d_squared;
-    for (int i = 0; i < p->nodes->points; ++i) {
-        const struct rim_state at = rim_state_at_node(p, i);
-        const struct rim_slopes slopes = rim_slopes_at(&at, at_row(&p->acceleration_at, i));
-        p->result.h_rate.x[i] = p->half * slopes.azimuth_momentum / scale;
-        p->result.h_rate.y[i] = p->half * slopes.tilt_momentum;
-        per_rho_squared[i] = 1.0 / (at.rho * at.rho);
-        per_d_squared[i] = 1.0 / (at.d * at.d);
-    }
-    const double by_momentum = 2.0 * p->half / distance * integrate_two(p, &p->result.h_rate, &p->result.h);
-    for (int i = 0; i < p->nodes->points; ++i) {
-        const struct vec3 h = vec3_sub(at_row(&p->result.h, i), p->result.momentum_correction);
-        p->result.n_rate.x[i] =
-            p->half * scale * (p->from.rim.azimuth_momentum + scale * h.x) * per_rho_squared[i];
-        p->result.n_rate.y[i] = p->half * (p->from.rim.tilt_momentum + h.y) * per_d_squared[i];
-    }
-    const double by_normal = distance * integrate_two(p, &p->result.n_rate, &p->result.n);
-    note_angles(p);
-    return fmax(by_momentum, by_normal);
+    struct collocation_result *made = &p->result;
+    return larger(nodal_integrate(p->nodes, made->rate[first], made->change[first]),
+                  nodal_integrate(p->nodes, made->rate[first + 1], made->change[first + 1]));
 }
 
 /* A step turns by about two radians of tangential motion. Sweep k multiplies the error by about these radians
@@ -165,18 +91,17 @@ static double hertz_push(const struct collocation *p, int i)
  * of the force at the nodes, and the load gets what the force differs from that of the oscillator. */
 static void linearize(struct collocation *p, double *load)
 {
-    const int points = p->nodes->points;
     const double chi = p->from.side * p->from.chi / p->half;
     struct oscillator mean = {0.0, 0.0};
     nodal_values rate;
-    for (int i = 0; i < points; ++i) {
+    for (int i = 0; i < LOBATTO_MAX; ++i) {
         const double push = hertz_push(p, i);
-        rate[i] = nodal_slope(p->result.slow, points, 1.0 + p->nodes->node[i]);
+        rate[i] = nodal_slope(p->result.slow, LOBATTO_MAX, 1.0 + p->nodes->node[i]);
         load[i] += push * (1.0 - chi * rate[i]);
-        mean.omega2 -= 1.5 * push / p->result.x[i] * (1.0 - chi * rate[i]) / points;
-        mean.damping_rate += push * chi / points;
+        mean.omega2 -= 1.5 * push / p->result.x[i] * (1.0 - chi * rate[i]) / LOBATTO_MAX;
+        mean.damping_rate += push * chi / LOBATTO_MAX;
     }
-    for (int i = 0; i < points; ++i) {
+    for (int i = 0; i < LOBATTO_MAX; ++i) {
         load[i] += mean.omega2 * p->result.x[i] + mean.damping_rate * rate[i];
     }
     p->result.oscillator = mean;
@@ -185,33 +110,31 @@ static void linearize(struct collocation *p, double *load)
 /* x = s + y: s is the particular solution for the load, y the free oscillation from the start values. */
 static void oscillator_response(struct collocation *p, double softening)
 {
-    const int points = p->nodes->points;
-    oscillator_particular(&p->result.oscillator, p->result.load, p->result.slow, points);
+    oscillator_particular(&p->result.oscillator, p->result.load, p->result.slow, LOBATTO_MAX);
     nodal_values_of(p->nodes, p->result.slow, p->result.x);
     p->result.oscillator.omega2 += softening;
     p->result.y = p->from.deviation - p->result.x[0];
-    p->result.y_rate = p->half * p->from.radial - nodal_slope(p->result.slow, points, 0.0);
+    p->result.y_rate = p->half * p->from.radial - nodal_slope(p->result.slow, LOBATTO_MAX, 0.0);
 }
 
 /* (D + slower)(D + faster) x = load with D = d/ds. u = (D + slower) x is the particular solution of (D +
  * faster) u = load plus a fast decay, which is y. X is the integral of X' = u - slower X. */
 static void overdamped_response(struct collocation *p)
 {
-    const int points = p->nodes->points;
     const struct oscillator_rates rates = oscillator_rates_of(&p->result.oscillator);
     nodal_values u;
     nodal_values u_at_nodes;
     nodal_values rate = {0.0};
-    relaxation_particular(rates.faster, p->result.load, u, points);
+    relaxation_particular(rates.faster, p->result.load, u, LOBATTO_MAX);
     nodal_values_of(p->nodes, u, u_at_nodes);
     const double fast = p->half * p->from.radial + rates.slower * p->from.deviation - u_at_nodes[0];
     p->result.y = -fast / (rates.faster - rates.slower);
     p->result.y_rate = -rates.faster * p->result.y;
-    for (int i = 0; i < points; ++i) {
+    for (int i = 0; i < LOBATTO_MAX; ++i) {
         rate[i] = u_at_nodes[i] - rates.slower * p->result.x[i];
     }
     (void)nodal_integrate(p->nodes, rate, p->result.x);
-    for (int i = 0; i < points; ++i) {
+    for (int i = 0; i < LOBATTO_MAX; ++i) {
         p->result.x[i] += p->from.deviation - p->result.y;
     }
     nodal_coefficients(p->nodes, p->result.x, p->result.slow);
@@ -224,22 +147,22 @@ enum { CREEP_STRIDE = LOBATTO_MAX + LANES };
  * present x and has the derivative -slope[j] with respect to it. */
 static void follow_rate(struct collocation *p, const double *rate, const double *slope)
 {
-    const int points = p->nodes->points;
     double at[LOBATTO_MAX * CREEP_STRIDE] = {0.0};
     double missing[CREEP_STRIDE] = {0.0};
     int pivot[LOBATTO_MAX];
-    const struct lu_matrix system = {points, CREEP_STRIDE, at, pivot};
+    const struct lu_matrix system = {LOBATTO_MAX, CREEP_STRIDE, at, pivot};
     (void)nodal_integrate(p->nodes, rate, missing);
-    for (int j = 0; j < points; ++j) {
+    for (int j = 0; j < LOBATTO_MAX; ++j) {
         missing[j] += p->from.deviation - p->result.x[j];
-        for (int i = 0; i < points; ++i) {
-            at[j * CREEP_STRIDE + i] = p->nodes->integral[j * points + i] * slope[j] + (i == j ? 1.0 : 0.0);
+        for (int i = 0; i < LOBATTO_MAX; ++i) {
+            at[j * CREEP_STRIDE + i] =
+                p->nodes->integral[j * LOBATTO_MAX + i] * slope[j] + (i == j ? 1.0 : 0.0);
         }
     }
     if (lu_factor(system)) {
         lu_solve(system, missing);
     }
-    for (int i = 0; i < points; ++i) {
+    for (int i = 0; i < LOBATTO_MAX; ++i) {
         p->result.x[i] += missing[i];
     }
 }
@@ -250,28 +173,27 @@ static void follow_rate(struct collocation *p, const double *rate, const double 
  * fast decay, by which v misses the rate of the start. */
 static void creeping_response(struct collocation *p, const double *load)
 {
-    const int points = p->nodes->points;
     nodal_values right = {0.0};
     nodal_values bend;
     nodal_values slope;
     double inverse = 0.0; /* mean of 1/decay */
-    for (int i = 0; i < points; ++i) {
+    for (int i = 0; i < LOBATTO_MAX; ++i) {
         const double push = hertz_push(p, i);
         const double decay = p->from.chi / p->half * fabs(push);
         double x[4];
-        nodal_derivatives(p->result.slow, points, 1.0 + p->nodes->node[i], x);
+        nodal_derivatives(p->result.slow, LOBATTO_MAX, 1.0 + p->nodes->node[i], x);
         bend[i] = x[2];
         right[i] = (load[i] + push - bend[i]) / decay;
         slope[i] = 1.5 * load[i] / (decay * p->result.x[i]);
-        inverse += 1.0 / (decay * points);
+        inverse += 1.0 / (decay * LOBATTO_MAX);
     }
-    for (int i = 0; i < points; ++i) {
+    for (int i = 0; i < LOBATTO_MAX; ++i) {
         right[i] = right[i] / inverse + bend[i];
     }
-    nodal_values rate;
+    nodal_values rate = {0.0};
     nodal_values a;
     nodal_coefficients(p->nodes, right, a);
-    relaxation_particular(1.0 / inverse, a, a, points);
+    relaxation_particular(1.0 / inverse, a, a, LOBATTO_MAX);
     nodal_values_of(p->nodes, a, rate);
     p->result.y_rate = p->half * p->from.radial - rate[0];
     p->result.y = -p->result.y_rate * inverse;
@@ -283,80 +205,95 @@ static void creeping_response(struct collocation *p, const double *load)
 static double size_of_deviation(const struct collocation *p)
 {
     double largest = fabs(p->result.y) + fabs(p->result.y_rate);
-    for (int k = 0; k < p->nodes->points; ++k) {
+    for (int k = 0; k < LOBATTO_MAX; ++k) {
         largest = larger(fabs(p->result.slow[k]), largest);
     }
     return largest;
 }
 
-/* Solves for x under the load. Returns the largest change of a coefficient [m], scaled up as if x were as
- * large as d. The force, which follows from x, thereby gets the relative accuracy of the position. */
-static double apply_load(struct collocation *p, const double *values, double softening)
+/* Solves for x under the load, given by its values at the nodes; `softening` is the mean of -half^2 df/dx by
+ * the centrifugal terms. Returns the largest change of a coefficient [m], scaled up as if x were as large as
+ * d. The force, which follows from x, thereby gets the relative accuracy of the position. */
+static double respond(struct collocation *p, double *load, double softening)
 {
+    const bool is_hertz = CONTACT_ANY_HERTZ && p->from.hertz > 0.0;
     nodal_values before;
     double change = 0.0;
     memcpy(before, p->result.slow, sizeof before);
-    nodal_coefficients(p->nodes, values, p->result.load);
-    if (CONTACT_ANY_HERTZ && p->from.hertz > 0.0 && p->kind == COLLOCATION_OVERDAMPED) {
-        creeping_response(p, values);
-    } else if (p->kind == COLLOCATION_OVERDAMPED) {
-        overdamped_response(p);
-    } else {
-        oscillator_response(p, softening);
+    p->result.oscillator =
+        (struct oscillator){p->from.omega2 * p->half * p->half, p->from.damping_rate * p->half};
+    if (is_hertz && p->kind == COLLOCATION_AVERAGED) {
+        linearize(p, load);
     }
-    for (int i = 0; i < p->nodes->points; ++i) {
+    nodal_coefficients(p->nodes, load, p->result.load);
+    if (p->kind == COLLOCATION_AVERAGED) {
+        oscillator_response(p, softening);
+    } else if (is_hertz) {
+        creeping_response(p, load);
+    } else {
+        overdamped_response(p);
+    }
+    for (int i = 0; i < LOBATTO_MAX; ++i) {
         change = larger(fabs(p->result.slow[i] - before[i]), change);
     }
     const double size = size_of_deviation(p);
     return change > COEFFICIENT_ROUNDING * size ? change * fmax(1.0, p->from.rim.distance / size) : 0.0;
 }
 
-/* Updates the load f at the nodes, then x under this load. */
-static double update_load(struct collocation *p)
+/* Makes one sweep: evaluates the load and the rates of H at the nodes, updates x under this load, then H,
+ * then n. Returns the largest change [m]. */
+CONTACT_FLATTEN static double sweep(struct collocation *p)
 {
-    const int points = p->nodes->points;
-    const double *weight = p->nodes->integral + points - 1;
-    nodal_values values = {0.0};
-    nodal_values softening;
-    double mean = 0.0;
-    put_load(p, values, softening);
-    p->result.oscillator =
-        (struct oscillator){p->from.omega2 * p->half * p->half, p->from.damping_rate * p->half};
-    if (CONTACT_ANY_HERTZ && p->from.hertz > 0.0 && p->kind == COLLOCATION_AVERAGED) {
-        linearize(p, values);
+    struct collocation_result *made = &p->result;
+    const double half2 = p->half * p->half;
+    const double distance = p->from.rim.distance;
+    const double scale = p->from.rim.rho / distance;
+    nodal_values load = {0.0};
+    nodal_values per_rho_squared;
+    nodal_values per_d_squared;
+    double softening = 0.0; /* a mean over the step is half the integral over s */
+    for (int i = 0; i < LOBATTO_MAX; ++i) {
+        const struct rim_state at = rim_state_at_node(p, i);
+        const struct rim_slopes slopes = rim_slopes_at(&at, p->acceleration_at[i]);
+        const double spin = slopes.azimuth * at.by.cosine;
+        const double weight = 0.5 * p->nodes->integral[i * LOBATTO_MAX + LOBATTO_MAX - 1];
+        load[i] = half2 * slopes.load;
+        softening += weight * 3.0 * half2 * (spin * spin + slopes.tilt * slopes.tilt);
+        made->rate[2][i] = p->half * slopes.azimuth_momentum / scale;
+        made->rate[3][i] = p->half * slopes.tilt_momentum;
+        per_rho_squared[i] = 1.0 / (at.rho * at.rho);
+        per_d_squared[i] = 1.0 / (at.d * at.d);
     }
-    /* the mean of -half^2 df/dx over the step is half its integral over s, which is the integral of
-     * `softening` */
-    for (int i = 0; i < points && p->kind == COLLOCATION_AVERAGED; ++i) {
-        mean += weight[i * points] * softening[i];
+    const double by_load = respond(p, load, softening);
+    if (p->from.head_on) {
+        /* the load does not depend on x under the linear law, but an overdamped X is iterated */
+        return p->kind != COLLOCATION_OVERDAMPED && p->from.hertz == 0.0 ? 0.0 : by_load;
     }
-    return apply_load(p, values, mean);
-}
-
-/* Makes one Gauss-Seidel sweep, which updates the load f, x, H and n in this order. */
-static double sweep(struct collocation *p)
-{
-    const double by_load = update_load(p);
-    /* a head-on load does not depend on x under the linear law, but an overdamped X is iterated */
-    const bool is_solved = p->from.head_on && p->kind != COLLOCATION_OVERDAMPED && p->from.hertz == 0.0;
-    return is_solved ? 0.0 : larger(by_load, turn(p));
-}
-
-static double tail_of(const struct collocation *p, const struct nodal_vec3 *values)
-{
-    return larger(nodal_tail(p->nodes, values->x), nodal_tail(p->nodes, values->y));
+    const double none[COLLOCATION_CHANGES] = {0.0};
+    const struct rim_state start = rim_state_by(p, none, p->from.deviation);
+    put_correction(p, &start, p->from.acceleration[0], made->y, made->y_rate, made->correction);
+    const double by_momentum = 2.0 * p->half / distance * integrate_two(p, COLLOCATION_ANGLES);
+    for (int i = 0; i < LOBATTO_MAX; ++i) {
+        const double spun = scale * (made->change[2][i] - made->correction[2]);
+        const double tilting = made->change[3][i] - made->correction[3];
+        made->rate[0][i] = p->half * scale * (p->from.rim.azimuth_momentum + spun) * per_rho_squared[i];
+        made->rate[1][i] = p->half * (p->from.rim.tilt_momentum + tilting) * per_d_squared[i];
+    }
+    const double by_normal = distance * integrate_two(p, 0);
+    note_angles(p);
+    return larger(by_load, larger(by_momentum, by_normal));
 }
 
 /* Estimates the error from the last coefficients of the integrands. The integral of a Chebyshev polynomial is
  * smaller than the polynomial by a factor of its degree. */
 static double tail_of_all(struct collocation *p)
 {
-    const int points = p->nodes->points;
-    const double of_deviation = larger(fabs(p->result.slow[points - 1]), fabs(p->result.slow[points - 2]));
+    const double of_deviation =
+        larger(fabs(p->result.slow[LOBATTO_MAX - 1]), fabs(p->result.slow[LOBATTO_MAX - 2]));
     const double size = size_of_deviation(p);
     /* the first omitted coefficient is less than a quarter of the last one: their ratio is half the step's
      * radians, two at most, divided by the index */
-    const double left_out = 0.25 * ldexp(of_deviation, 2 - points);
+    const double left_out = 0.25 * ldexp(of_deviation, 2 - LOBATTO_MAX);
     const bool is_overdamped = p->kind == COLLOCATION_OVERDAMPED && p->from.hertz == 0.0;
     p->result.deviation_error = left_out;
     const double by_deviation =
@@ -364,19 +301,26 @@ static double tail_of_all(struct collocation *p)
     if (p->from.head_on) {
         return by_deviation;
     }
-    const double by_normal = p->from.rim.distance * tail_of(p, &p->result.n_rate);
-    const double by_momentum = 2.0 * p->half / p->from.rim.distance * tail_of(p, &p->result.h_rate);
-    return larger(by_deviation, larger(by_normal, by_momentum) / points);
+    double by_changes = 0.0;
+    for (int j = 0; j < COLLOCATION_CHANGES; ++j) {
+        const double length =
+            j < COLLOCATION_ANGLES ? p->from.rim.distance : 2.0 * p->half / p->from.rim.distance;
+        by_changes = larger(length * nodal_tail(p->nodes, p->result.rate[j]), by_changes);
+    }
+    return larger(by_deviation, by_changes / LOBATTO_MAX);
 }
 
 /* Returns whether all values are finite and d > 0, because local coordinates are singular at the centre. */
 static bool finish(struct collocation *p)
 {
     if (CONTACT_ANY_CIRCLE && p->from.at_rim) {
-        nodal_coefficients(p->nodes, p->result.n_rate.y, p->result.tilt_rate);
+        nodal_coefficients(p->nodes, p->result.rate[1], p->result.tilt_rate);
     }
-    for (int i = 0; i < p->nodes->points; ++i) {
-        const double sum = p->result.n.x[i] + p->result.n.y[i] + p->result.h.x[i] + p->result.h.y[i];
+    for (int i = 0; i < LOBATTO_MAX; ++i) {
+        double sum = 0.0;
+        for (int k = 0; k < COLLOCATION_CHANGES; ++k) {
+            sum += p->result.change[k][i];
+        }
         if (!(p->from.reach + p->result.x[i] > 0.0) || !isfinite(sum)) {
             return false;
         }
@@ -405,38 +349,48 @@ static bool iterate(struct collocation *p, double tolerance)
     return false;
 }
 
-/* Returns the change of n or H since the start, from its nodal values and rates, without the part by y at the
- * start. */
-static struct vec3 integral_then(const struct collocation *p, const struct nodal_vec3 *values,
-                                 const struct nodal_vec3 *rate, struct vec3 correction, double s)
+/* Sets x without y, y itself, and their first three derivatives with respect to s. */
+static void deviation_parts(const struct collocation *p, double s, double slow[4], double y[4])
 {
-    const struct vec3 all = {nodal_integral_to(p->nodes, values->x, rate->x, s),
-                             nodal_integral_to(p->nodes, values->y, rate->y, s), 0.0};
-    return vec3_sub(all, correction);
+    const struct oscillator *o = &p->result.oscillator;
+    const struct oscillator_basis by = oscillator_basis_at(o, s);
+    collocation_averaged_deviation(p, s, slow);
+    y[0] = p->result.y * by.y_of_y + p->result.y_rate * by.y_of_rate;
+    y[1] = p->result.y * by.rate_of_y + p->result.y_rate * by.rate_of_rate;
+    y[2] = -o->damping_rate * y[1] - o->omega2 * y[0];
+    y[3] = -o->damping_rate * y[2] - o->omega2 * y[1];
 }
 
-/* Returns the state at s. The caller passes x of collocation_deviation, or the averaged x. */
-static struct rim_state rim_state_then(const struct collocation *p, double s, const double x[4])
+/* Sets the changes of n and H at s, where x and y are those of deviation_parts. */
+static void changes_then(const struct collocation *p, double s, double x, const double y[4],
+                         double change[COLLOCATION_CHANGES])
 {
-    const struct vec3 n = integral_then(p, &p->result.n, &p->result.n_rate, p->result.normal_correction, s);
-    const struct vec3 h = integral_then(p, &p->result.h, &p->result.h_rate, p->result.momentum_correction, s);
-    double slow[4];
-    collocation_averaged_deviation(p, s, slow);
-    const struct rim_state then = rim_state_by(p, n, h, x[0]);
-    const struct collocation_correction correction =
-        correction_of(p, &then, acceleration_then(p, s), x[0] - slow[0], x[1] - slow[1]);
-    return rim_state_by(p, vec3_add(n, correction.normal), vec3_add(h, correction.momentum), x[0]);
+    double correction[COLLOCATION_CHANGES];
+    for (int k = 0; k < COLLOCATION_CHANGES; ++k) {
+        change[k] =
+            nodal_integral_to(p->nodes, p->result.change[k], p->result.rate[k], s) - p->result.correction[k];
+    }
+    const struct rim_state then = rim_state_by(p, change, x);
+    put_correction(p, &then, acceleration_then(p, s), y[0], y[1], correction);
+    for (int k = 0; k < COLLOCATION_CHANGES; ++k) {
+        change[k] += correction[k];
+    }
 }
 
 struct collocation_change collocation_change_at(const struct collocation *p, double s)
 {
-    const struct vec3 none = {0.0, 0.0, 0.0};
-    double x[4];
-    collocation_deviation(p, s, x);
-    const struct rim_state then =
-        p->from.head_on ? rim_state_by(p, none, none, x[0]) : rim_state_then(p, s, x);
-    return (struct collocation_change){rim_moved(&p->from.rim, &then),
-                                       rim_gained(&p->from.rim, &then, p->from.radial, x[1] / p->half), x[0]};
+    double change[COLLOCATION_CHANGES] = {0.0};
+    double slow[4];
+    double y[4];
+    deviation_parts(p, s, slow, y);
+    const double x = slow[0] + y[0];
+    if (!p->from.head_on) {
+        changes_then(p, s, x, y, change);
+    }
+    const struct rim_state then = rim_state_by(p, change, x);
+    return (struct collocation_change){
+        rim_moved(&p->from.rim, &then),
+        rim_gained(&p->from.rim, &then, p->from.radial, (slow[1] + y[1]) / p->half), x};
 }
 
 void collocation_edges(const struct collocation *p, double s, const double x[4], double radial[3],
@@ -444,11 +398,10 @@ void collocation_edges(const struct collocation *p, double s, const double x[4],
 {
     double tilt[3] = {p->from.rim.tilt, 0.0, 0.0};
     if (!p->from.head_on) {
-        const int points = p->nodes->points;
-        tilt[0] += nodal_integral(p->result.tilt_rate, points, s) - p->result.normal_correction.y;
-        tilt[1] = taylor_at(p->result.tilt_rate, points, s - 1.0);
-        tilt[2] = nodal_slope(p->result.tilt_rate, points, s);
-        /* the oscillation y changes the tilt, too: see correction_of */
+        tilt[0] += nodal_integral(p->result.tilt_rate, LOBATTO_MAX, s) - p->result.correction[1];
+        tilt[1] = taylor_at(p->result.tilt_rate, LOBATTO_MAX, s - 1.0);
+        tilt[2] = nodal_slope(p->result.tilt_rate, LOBATTO_MAX, s);
+        /* the oscillation y changes the tilt, too: see put_correction */
         double slow[4];
         collocation_averaged_deviation(p, s, slow);
         const double by = -2.0 * tilt[1] / (p->from.reach + x[0]);
@@ -465,42 +418,31 @@ void collocation_edges(const struct collocation *p, double s, const double x[4],
 
 void collocation_averaged_deviation(const struct collocation *p, double s, double x[4])
 {
-    nodal_derivatives(p->result.slow, p->nodes->points, s, x);
-}
-
-/* Adds y and its derivatives with respect to s to x and its derivatives. */
-static void add_oscillation(const struct collocation *p, double y, double y_rate, double x[4])
-{
-    const double bend = -p->result.oscillator.damping_rate * y_rate - p->result.oscillator.omega2 * y;
-    x[0] += y;
-    x[1] += y_rate;
-    x[2] += bend;
-    x[3] += -p->result.oscillator.damping_rate * bend - p->result.oscillator.omega2 * y_rate;
+    nodal_derivatives(p->result.slow, LOBATTO_MAX, s, x);
 }
 
 void collocation_deviation(const struct collocation *p, double s, double x[4])
 {
-    collocation_averaged_deviation(p, s, x);
-    const struct oscillator_basis by = oscillator_basis_at(&p->result.oscillator, s);
-    add_oscillation(p, p->result.y * by.y_of_y + p->result.y_rate * by.y_of_rate,
-                    p->result.y * by.rate_of_y + p->result.y_rate * by.rate_of_rate, x);
+    double y[4];
+    deviation_parts(p, s, x, y);
+    for (int i = 0; i < 4; ++i) {
+        x[i] += y[i];
+    }
 }
 
 void collocation_overdamped_push(const struct collocation *p, double s, double push[3])
 {
-    const int points = p->nodes->points;
-    nodal_values bend;
-    double of_bend[4];
-    double of_load[4];
-    for (int k = 0; k < points; ++k) {
-        bend[k] = k + 2 < points ? (k + 1) * (k + 2) * p->result.slow[k + 2] : 0.0;
+    nodal_values slow_push;
+    double of[4];
+    for (int k = 0; k < LOBATTO_MAX; ++k) {
+        const double bend = k + 2 < LOBATTO_MAX ? (k + 1) * (k + 2) * p->result.slow[k + 2] : 0.0;
+        slow_push[k] = bend - p->result.load[k];
     }
-    nodal_derivatives(bend, points, s, of_bend);
-    nodal_derivatives(p->result.load, points, s, of_load);
+    nodal_derivatives(slow_push, LOBATTO_MAX, s, of);
     const double faster = oscillator_rates_of(&p->result.oscillator).faster;
     double fast = p->result.y * exp(-faster * s) * faster * faster;
     for (int i = 0; i < 3; ++i) {
-        push[i] = of_bend[i] + fast - of_load[i];
+        push[i] = of[i] + fast;
         fast *= -faster;
     }
 }
@@ -509,12 +451,12 @@ void collocation_overdamped_push(const struct collocation *p, double s, double p
  * products of two polynomials. */
 static double along_slow(const struct collocation *p, const double *a, double s)
 {
-    const int points = p->nodes->points;
     double sum = 0.0;
-    for (int i = 0; i < points; ++i) {
+    for (int i = 0; i < LOBATTO_MAX; ++i) {
         const double at = 0.5 * s * (1.0 + p->nodes->node[i]);
-        const double part = taylor_at(a, points, at - 1.0) * nodal_slope(p->result.slow, points, at);
-        sum += 0.5 * s * p->nodes->integral[i * points + points - 1] * part;
+        const double part =
+            taylor_at(a, LOBATTO_MAX, at - 1.0) * nodal_slope(p->result.slow, LOBATTO_MAX, at);
+        sum += 0.5 * s * p->nodes->integral[i * LOBATTO_MAX + LOBATTO_MAX - 1] * part;
     }
     return sum;
 }
@@ -522,26 +464,25 @@ static double along_slow(const struct collocation *p, const double *a, double s)
 /* Returns the integral of the polynomial `a` times y' from 0 to s, in closed form. With a spring (Q y + Q' y'
  * / omega2)' = a y' where Q + Q'' / omega2 - damping_rate Q' / omega2 = a. A single decay has (Q y)' = a y'
  * where Q - Q' / faster = a. */
-static double along_oscillation(const struct collocation *p, const double *a, double s, double y,
-                                double y_rate)
+static double along_oscillation(const struct collocation *p, const double *a, double s, const double y[4])
 {
-    const int points = p->nodes->points;
-    nodal_values scaled = {0.0};
-    nodal_values q;
-    const bool decays = p->kind == COLLOCATION_OVERDAMPED;
     const struct oscillator mirrored = {p->result.oscillator.omega2, -p->result.oscillator.damping_rate};
+    const bool decays = p->kind == COLLOCATION_OVERDAMPED;
     const double factor = decays ? -oscillator_rates_of(&p->result.oscillator).faster : mirrored.omega2;
-    for (int k = 0; k < points; ++k) {
+    const double by_rate = decays ? 0.0 : 1.0 / mirrored.omega2;
+    nodal_values scaled = {0.0};
+    nodal_values q = {0.0};
+    for (int k = 0; k < LOBATTO_MAX; ++k) {
         scaled[k] = factor * a[k];
     }
     if (decays) {
-        relaxation_particular(factor, scaled, q, points);
-        return taylor_at(q, points, s - 1.0) * y - taylor_at(q, points, -1.0) * p->result.y;
+        relaxation_particular(factor, scaled, q, LOBATTO_MAX);
+    } else {
+        oscillator_particular(&mirrored, scaled, q, LOBATTO_MAX);
     }
-    oscillator_particular(&mirrored, scaled, q, points);
-    return taylor_at(q, points, s - 1.0) * y + nodal_slope(q, points, s) * y_rate / mirrored.omega2 -
-           (taylor_at(q, points, -1.0) * p->result.y +
-            nodal_slope(q, points, 0.0) * p->result.y_rate / mirrored.omega2);
+    return taylor_at(q, LOBATTO_MAX, s - 1.0) * y[0] - taylor_at(q, LOBATTO_MAX, -1.0) * p->result.y +
+           by_rate *
+               (nodal_slope(q, LOBATTO_MAX, s) * y[1] - nodal_slope(q, LOBATTO_MAX, 0.0) * p->result.y_rate);
 }
 
 /* The dissipated energy follows from the oscillator's balance of energy, which is exact at any frequency:
@@ -550,61 +491,53 @@ double collocation_dissipated(const struct collocation *p, double s)
 {
     const double omega2 = p->from.omega2 * p->half * p->half;
     const double softening = p->result.oscillator.omega2 - omega2;
-    double x[4];
     double slow[4];
-    collocation_deviation(p, s, x);
-    collocation_averaged_deviation(p, s, slow);
+    double y[4];
+    deviation_parts(p, s, slow, y);
     const double start_rate = p->half * p->from.radial;
     const double x0 = p->from.deviation;
-    const double y = x[0] - slow[0];
-    const double dissipated_energy =
-        0.5 * ((start_rate - x[1]) * (start_rate + x[1]) + omega2 * (x0 - x[0]) * (x0 + x[0]) +
-               softening * (p->result.y - y) * (p->result.y + y));
-    const double sum = dissipated_energy + along_slow(p, p->result.load, s) +
-                       along_oscillation(p, p->result.load, s, y, x[1] - slow[1]);
+    const double x = slow[0] + y[0];
+    const double rate = slow[1] + y[1];
+    const double lost = 0.5 * ((start_rate - rate) * (start_rate + rate) + omega2 * (x0 - x) * (x0 + x) +
+                               softening * (p->result.y - y[0]) * (p->result.y + y[0]));
+    const double sum = lost + along_slow(p, p->result.load, s) + along_oscillation(p, p->result.load, s, y);
     return sum / (p->half * p->half);
-}
-
-/* The integral from 0 to s of b y with b given by `values` at the nodes, by parts: with B' = b, (B y)' - B y'
- * = b y. */
-static double moment_of_oscillation(const struct collocation *p, const double *values, double s)
-{
-    const int points = p->nodes->points;
-    nodal_values sum = {0.0};
-    nodal_values b;
-    double x[4];
-    double slow[4];
-    collocation_deviation(p, s, x);
-    collocation_averaged_deviation(p, s, slow);
-    (void)nodal_integrate(p->nodes, values, sum);
-    nodal_coefficients(p->nodes, sum, b);
-    const double y = x[0] - slow[0];
-    return taylor_at(b, points, s - 1.0) * y - along_oscillation(p, b, s, y, x[1] - slow[1]);
 }
 
 struct vec3 collocation_moment(const struct collocation *p, int power, double s)
 {
-    struct nodal_vec3 of = {.x = {0.0}};
-    struct nodal_vec3 along = {.x = {0.0}}; /* the factor of y */
-    double *rows[3][2] = {{of.x, along.x}, {of.y, along.y}, {of.z, along.z}};
+    nodal_values moved[3];
+    nodal_values along[3]; /* the factor of y */
+    double slow[4];
+    double y[4];
     double sum[3];
-    for (int i = 0; i < p->nodes->points; ++i) {
+    deviation_parts(p, s, slow, y);
+    for (int i = 0; i < LOBATTO_MAX; ++i) {
         const double t = p->half * (1.0 + p->nodes->node[i]);
         const double weight = p->half * (power == 0 ? 1.0 : power == 1 ? t : t * t);
         const struct rim_state at = rim_state_at_node(p, i); /* without the oscillation */
-        nodal_put_vec3(&of, i, vec3_scale(weight, rim_moved(&p->from.rim, &at)));
-        nodal_put_vec3(&along, i, vec3_scale(weight, rim_normal(&at)));
+        const struct vec3 way = vec3_scale(weight, rim_moved(&p->from.rim, &at));
+        const struct vec3 normal = vec3_scale(weight, rim_normal(&at));
+        for (int k = 0; k < 3; ++k) {
+            moved[k][i] = vec3_get(way, k);
+            along[k][i] = vec3_get(normal, k);
+        }
     }
     for (int k = 0; k < 3; ++k) {
+        nodal_values grown = {0.0};
         nodal_values a;
-        nodal_coefficients(p->nodes, rows[k][0], a);
-        sum[k] = nodal_integral(a, p->nodes->points, s) + moment_of_oscillation(p, rows[k][1], s);
+        nodal_values b;
+        nodal_coefficients(p->nodes, moved[k], a);
+        (void)nodal_integrate(p->nodes, along[k], grown);
+        nodal_coefficients(p->nodes, grown, b);
+        /* by parts: with B' = b, the integral of b y is B y less that of B y' */
+        sum[k] = nodal_integral(a, LOBATTO_MAX, s) + taylor_at(b, LOBATTO_MAX, s - 1.0) * y[0] -
+                 along_oscillation(p, b, s, y);
     }
     return vec3_from(sum);
 }
 
-/* Makes first guesses: n and H as at the start, and a constant x, which is its start, or its equilibrium in
- * an averaged step under the linear law. */
+/* Makes first guesses: n, H and x as at the start. */
 static void begin(struct collocation *p, const struct collocation_problem *from, double step,
                   enum collocation_kind kind)
 {
@@ -612,19 +545,12 @@ static void begin(struct collocation *p, const struct collocation_problem *from,
     p->nodes = &lobatto[LOBATTO_TWELVE];
     p->kind = kind;
     p->half = 0.5 * step;
-    p->result.normal_correction = p->result.momentum_correction = vec3_make(0.0, 0.0, 0.0);
-    memset(p->result.tilt_rate, 0, sizeof p->result.tilt_rate);
-    memset(&p->result.n, 0, sizeof p->result.n);
-    memset(&p->result.h, 0, sizeof p->result.h);
-    memset(p->result.slow, 0, sizeof p->result.slow);
-    p->result.slow[0] = kind == COLLOCATION_AVERAGED && from->hertz == 0.0 ? load_at_start(p) / from->omega2
-                                                                           : from->deviation;
-    p->result.y = from->deviation - p->result.slow[0];
-    p->result.y_rate = p->half * p->from.radial;
+    memset(&p->result, 0, sizeof p->result);
+    p->result.slow[0] = from->deviation;
     note_angles(p);
-    for (int i = 0; i < p->nodes->points; ++i) {
+    for (int i = 0; i < LOBATTO_MAX; ++i) {
         p->result.x[i] = p->result.slow[0];
-        nodal_put_vec3(&p->acceleration_at, i, acceleration_then(p, 1.0 + p->nodes->node[i]));
+        p->acceleration_at[i] = acceleration_then(p, 1.0 + p->nodes->node[i]);
     }
 }
 

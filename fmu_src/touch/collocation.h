@@ -58,17 +58,18 @@ struct collocation_problem {
     struct vec3 flown[COLLOCATION_ACCELERATION_TERMS + 1];
 };
 
-/* Result of the iteration. Rows and corrections of n hold the changes of azimuth and tilt as x and y, those
- * of H the changes of their momenta (rim_state_of); z is not used. */
+/* n and H by the four changes of rim_state_of: of azimuth and tilt, then of their momenta. */
+enum { COLLOCATION_ANGLES = 2, COLLOCATION_CHANGES = 4 };
+
+/* Result of the iteration. */
 struct collocation_result {
-    /* part of n and H at the start that is due to the oscillation y */
-    struct vec3 normal_correction, momentum_correction;
-    struct nodal_vec3 n, h;           /* nodal change of n and H since the start, without y */
-    struct nodal_vec3 n_rate, h_rate; /* d/ds of n and h */
-    nodal_values x;                   /* x at the nodes, without y [m] */
-    nodal_values load;                /* half^2 f, coefficients in s - 1 [m] */
-    nodal_values slow;                /* x without y, coefficients of s - 1 [m] */
-    nodal_values tilt_rate;           /* n_rate.y at a rim, coefficients of s - 1 [rad]; else zero */
+    double correction[COLLOCATION_CHANGES];   /* the part of the changes at the start that is due to y */
+    nodal_values change[COLLOCATION_CHANGES]; /* of n and H since the start, without y */
+    nodal_values rate[COLLOCATION_CHANGES];   /* d/ds of them */
+    nodal_values x;                           /* x at the nodes, without y [m] */
+    nodal_values load;                        /* half^2 f, coefficients in s - 1 [m] */
+    nodal_values slow;                        /* x without y, coefficients of s - 1 [m] */
+    nodal_values tilt_rate; /* rate of the tilt at a rim, coefficients of s - 1 [rad]; else zero */
     /* the oscillator of y, with rates per unit of s; an averaged step adds the mean of -half^2 df/dx to its
      * omega2 */
     struct oscillator oscillator;
@@ -81,9 +82,9 @@ struct collocation {
     struct collocation_problem from;
     const struct lobatto *nodes;
     enum collocation_kind kind;
-    double half;                           /* half the step [s] */
-    struct nodal_vec3 acceleration_at;     /* A at the nodes */
-    struct rim_angles angles[LOBATTO_MAX]; /* of the present n at the nodes */
+    double half;                              /* half the step [s] */
+    struct vec3 acceleration_at[LOBATTO_MAX]; /* A at the nodes */
+    struct rim_angles angles[LOBATTO_MAX];    /* of the present n at the nodes */
     struct collocation_result result;
 };
 
@@ -104,13 +105,6 @@ void collocation_overdamped_push(const struct collocation *p, double s, double p
 
 /* Gives x without y, the averaged deviation [m], and its first three derivatives with respect to s. */
 void collocation_averaged_deviation(const struct collocation *p, double s, double x[4]);
-
-/* What an oscillation y adds to n and H (collocation_result) at constant load, acceleration and d. y changes
- * the rates of n and H by P y, where P varies slowly. The integral of P y is -P (y' + damping_rate y) /
- * omega2, up to terms smaller by the ratio of the slow rate to the oscillation's. */
-struct collocation_correction {
-    struct vec3 normal, momentum;
-};
 
 struct collocation_change {
     struct vec3 moved;  /* c(s) - c(0) [m] */

@@ -424,7 +424,7 @@ static bool quasi_static_solve(struct segment *p, const struct slow_scales *scal
         scales->creep > 0.0 ? scales->creep * made->half : fmax(1.0, scales->fast * made->half);
     const double left_out = fmax(fabs(result->y), fabs(result->y_rate) / by_rate);
     result->y = result->y_rate = 0.0;
-    result->normal_correction = result->momentum_correction = vec3_make(0.0, 0.0, 0.0);
+    memset(result->correction, 0, sizeof result->correction);
     return fmax(left_out, result->deviation_error) <= depth_tolerance &&
            result->interior_error <= p->tolerance;
 }

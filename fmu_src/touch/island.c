@@ -10,15 +10,6 @@
 
 #if SCENE_HAS_ISLANDS
 
-bool island_may_be(const struct scene_state *q)
-{
-    int touching = 0;
-    for (int j = 0; j < SCENE_CONTACTS && !scene_turns(q->v); ++j) {
-        touching += contact_pushes(q, j) ? 1 : 0;
-    }
-    return touching > 0 && touching <= ISLAND_MOST;
-}
-
 /* The error of a series, divided by the whole: a few roundings. A larger error would save few steps, and weak
  * forces that grow within a step would be lost. */
 static const double ACCURACY = 1e-15;
@@ -54,10 +45,8 @@ static int add_body(struct island *s, const struct scene_values *v, int body)
 {
     if (s->index[body] == 0 && body_is_free(v, body)) {
         s->index[body] = s->terms.bodies;
-        memset(&s->terms.body[s->terms.bodies], 0, sizeof s->terms.body[0]);
-        s->terms.body[s->terms.bodies].body = body;
-        s->terms.body[s->terms.bodies].by_mass = body_inverse_mass(v, body);
-        s->terms.bodies += 1;
+        s->body[s->terms.bodies++] =
+            (struct expansion_body){.body = body, .by_mass = body_inverse_mass(v, body)};
     }
     return s->index[body];
 }
@@ -88,8 +77,8 @@ static bool add_touching(struct island *s, const struct scene_instant *at, int c
     const struct contact_geometry *g = &at->geometry[contact];
     const struct contact_shape shape = scene_contact_shape(at->q, contact);
     const int bodies[2] = {contact_source(contact), contact_destination(contact)};
-    if (g->degenerate || !knows_shape(at->v, &shape, contact) || !flight_is_steady(at->q, bodies[0]) ||
-        !flight_is_steady(at->q, bodies[1])) {
+    if (s->terms.rows == ISLAND_MOST || g->degenerate || !knows_shape(at->v, &shape, contact) ||
+        !flight_is_steady(at->q, bodies[0]) || !flight_is_steady(at->q, bodies[1])) {
         return false;
     }
     memset(r, 0, sizeof *r);
@@ -404,13 +393,9 @@ long island_work(const struct island *s)
 
 bool island_make(struct island *s, const struct scene_instant *at, double longest, double quiet)
 {
-    s->terms.rows = 0;
-    s->terms.is_framed = false;
-    s->terms.row = s->row;
-    s->terms.body = s->body;
-    s->terms.bodies = s->terms.degree = 1;
+    s->terms = (struct expansion){.row = s->row, .body = s->body, .bodies = 1, .degree = 1};
+    s->body[0] = (struct expansion_body){.by_mass = 0.0};
     memset(s->index, 0, sizeof s->index);
-    memset(&s->terms.body[0], 0, sizeof s->terms.body[0]);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (contact_pushes(at->q, j) && !add_touching(s, at, j)) {
             return false;
@@ -421,8 +406,6 @@ bool island_make(struct island *s, const struct scene_instant *at, double longes
     if (is_quiet(s, quiet) || !choose_pace(s)) {
         return false;
     }
-    memset(&s->terms.pace, 0, sizeof s->terms.pace);
-    memset(s->terms.power_of_time, 0, sizeof s->terms.power_of_time);
     taylor_put(&s->terms.pace, 0,
                s->terms.paced_by < 0 ? 1.0 : sqrt(fmax(-s->terms.row[s->terms.paced_by].gap[0], 0.0)));
     expansion_make(&s->terms, 0, TAYLOR_ORDER);

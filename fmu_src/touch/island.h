@@ -22,13 +22,10 @@ struct island {
     struct expansion_body body[1 + 2 * ISLAND_MOST];
 };
 
-/* Whether the contacts in touch may be an island by power series, by their laws; island_make tells by their
- * motion. */
-bool island_may_be(const struct scene_state *q);
-
 /* Makes one series of all contacts in touch over at most `longest` seconds, up to the first contact that
- * begins, ends or changes its regime. It is exact to a few roundings. Returns false where there is none, or
- * where no contact oscillates by more than `quiet` [m]: the general segment then takes longer steps. */
+ * begins, ends or changes its regime. It is exact to a few roundings. The scene must not turn. Returns false
+ * where there is none, or where no contact oscillates by more than `quiet` [m]: the general segment then
+ * takes longer steps. */
 bool island_make(struct island *s, const struct scene_instant *at, double longest, double quiet);
 
 /* Returns the cost of making it, in steps in closed form (integrator/phases.h). */

@@ -23,40 +23,26 @@ static const double FULL_FRICTION = 37.0;
 /* Roundings of a velocity in the slip of a sphere that rolls. */
 static const double ROLLING_ROUNDINGS = 8.0;
 
-/* A load along the plane is zero if it is below this part of all loads: a slanted normal is rounded. */
+/* A load along the plane is zero if it is below this part of the load: a slanted normal is rounded. */
 static const double LOAD_ROUNDING = 8.0 * DBL_EPSILON;
 
 /* Whether no load acts along the plane on the relative motion, now and later. */
-static bool loads_are_normal(const struct scene_state *q, int contact)
+static bool loads_are_normal(const struct scene_instant *at, int contact)
 {
-    const int ends[PAIR_BODIES] = {contact_source(contact), contact_destination(contact)};
-    const struct vec3 normal = q->contact[contact].parameters.axis;
-    for (int i = 0; i < 3; ++i) {
-        struct vec3 load = {0.0, 0.0, 0.0}; /* the coefficient of time^i in C'' */
-        double size = 0.0;
-        for (int end = 0; end < PAIR_BODIES; ++end) {
-            const struct body_path *path = &q->path[ends[end]];
-            const double sign = end == 0 ? -1.0 : 1.0;
-            if (body_is_free(q->v, ends[end])) {
-                const struct vec3 by = vec3_scale(1.0 / body_mass(q->v, ends[end]), path->force[i]);
-                const struct vec3 field = i == 0 ? gravity(q->v) : vec3_make(0.0, 0.0, 0.0);
-                load = vec3_axpy(vec3_axpy(load, sign, by), sign, field);
-                size += vec3_max_abs(by) + vec3_max_abs(field);
-            } else if (body_is_prescribed(q->v, ends[end]) && i < 2) {
-                load = vec3_axpy(load, sign * (i + 1), path->velocity[i + 1]);
-                size += (i + 1) * vec3_max_abs(path->velocity[i + 1]);
-            }
-        }
-        if (!(vec3_max_abs(contact_across_plane(normal, load)) <= LOAD_ROUNDING * size)) {
-            return false;
-        }
+    const struct separation_path flight = separation_path_of(at, at->q->clock, contact);
+    const struct vec3 normal = at->q->contact[contact].parameters.axis;
+    bool all = true;
+    for (int i = 1; i < SEPARATION_DEGREE; ++i) {
+        const double along = vec3_max_abs(contact_across_plane(normal, flight.w[i]));
+        all = all && along <= LOAD_ROUNDING * vec3_max_abs(flight.w[i]);
     }
-    return true;
+    return all;
 }
 
-bool rubbing_is_solvable(const struct scene_state *q, int contact)
+bool rubbing_is_solvable(const struct scene_instant *at, int contact)
 {
-    const struct scene_values *v = q->v;
+    const struct scene_state *q = at->q;
+    const struct scene_values *v = at->v;
     const int source = contact_source(contact);
     const int destination = contact_destination(contact);
     if (contact_tips(v, contact) || body_is_compound(source) || body_is_compound(destination) ||
@@ -76,7 +62,7 @@ bool rubbing_is_solvable(const struct scene_state *q, int contact)
     return body_shape(destination) == SHAPE_PLANE && !contact_has_springs(v, contact) &&
            q->contact[contact].friction_regime[OPPOSED_SLIP] != (int32_t)FRICTION_CAPPED &&
            body_is_free(v, source) && !body_turn_is_prescribed(v, source) &&
-           path_rests(q->path[source].torque) && loads_are_normal(q, contact);
+           path_rests(q->path[source].torque) && loads_are_normal(at, contact);
 }
 
 /* The slip at the start of a segment, and what friction makes of it. */
@@ -188,13 +174,6 @@ struct travel {
     double lost[MOMENTS];
     struct body_turn turn;
 };
-
-/* Rotates without friction, by the angular velocity of way->turn. */
-static void turn_on(struct travel *way, double time)
-{
-    const struct rotor rotor = rotor_from(way->turn, 1.0, 1.0);
-    way->turn = rotor_at(&rotor, time);
-}
 
 enum { LAST_NODE = LOBATTO_MAX - 1 }; /* of the twelve Lobatto nodes of a panel */
 
@@ -384,42 +363,36 @@ static struct travel travel_to(const struct slide *f, double s, const struct pai
         before *= way.time;
         way.lost[k] += lost * (power - before) / (k + 1);
     }
-    if (turning) {
-        turn_on(&way, end->time - way.time);
-    } else if (end->time > 0.0) {
-        way.turn.angular_velocity = vec3_axpy(f->rotation, way.lost[0] / end->time, f->spun);
-        turn_on(&way, end->time);
+    const double left = turning ? end->time - way.time : end->time;
+    if (!turning && left > 0.0) {
+        way.turn.angular_velocity = vec3_axpy(f->rotation, way.lost[0] / left, f->spun);
     }
+    const struct rotor rotor = rotor_from(way.turn, 1.0, 1.0);
+    way.turn = rotor_at(&rotor, left);
     way.turn.angular_velocity = vec3_axpy(f->rotation, lost, f->spun);
     return way;
 }
 
 /* Returns what friction adds to the integral of c x F, the torque impulse on the destination about its centre
- * and the source's arm: with q, by which friction moves c, and the flight C
- *   m_red (integral of q x C'' - c x q' - q x c')        c and c' as they are without friction */
+ * and the source's arm. Friction moves c by q, so that with the flight C and the motion r without friction
+ *
+ *   integral of c x q'' + q x r'' = integral of C x q'' + [r x q' + q x r'] */
 static struct vec3 lever_of_friction(const struct slide *f, const struct travel *way,
                                      const struct pair_change *end, double lost)
 {
     const struct contact_pair *pair = &f->segment->pair;
-    const double t = end->time;
-    const struct vec3 c = vec3_add(path_at(pair->flight.c, SEPARATION_DEGREE + 1, t), end->r);
-    struct vec3 rate = end->r_rate;
+    const struct pair_change slid = {
+        .time = end->time, .r = vec3_scale(-way->lost[0], f->along), .r_rate = vec3_scale(-lost, f->along)};
+    struct vec3 moment[PAIR_MOMENTS];
     double power = 1.0;
-    for (int i = 1; i <= SEPARATION_DEGREE; ++i) {
-        rate = vec3_axpy(rate, i * power, pair->flight.c[i]);
-        power *= t;
-    }
-    struct vec3 sum = vec3_scale(-lost, vec3_cross(c, f->along));
-    sum = vec3_axpy(sum, -way->lost[0], vec3_cross(f->along, rate));
-    power = 1.0;
     /* the integral of t^j q is that of (t_end^(j+1) - t^(j+1)) q' / (j + 1) */
-    for (int j = 0; j < MOMENTS - 1; ++j) {
-        power *= t;
-        const double moment = (power * way->lost[0] - way->lost[j + 1]) / (j + 1);
-        const struct vec3 bend = vec3_scale((j + 2) * (j + 1), pair->flight.c[j + 2]);
-        sum = vec3_axpy(sum, moment, vec3_cross(f->along, bend));
+    for (int j = 0; j < PAIR_MOMENTS; ++j) {
+        power *= end->time;
+        moment[j] = vec3_scale((way->lost[j + 1] - power * way->lost[0]) / (j + 1), f->along);
     }
-    return vec3_scale(1.0 / f->admittance, sum);
+    const struct vec3 by_flight = segment_lever(pair, &slid, moment, pair->flight.c);
+    const struct vec3 by_segment = vec3_add(vec3_cross(end->r, slid.r_rate), vec3_cross(slid.r, end->r_rate));
+    return vec3_scale(1.0 / f->admittance, vec3_add(by_flight, by_segment));
 }
 
 /* Adds what friction does to the bodies and to the books. */
@@ -433,10 +406,8 @@ static void apply(const struct slide *f, const struct travel *way, const struct 
     for (int end_of = 0; end_of < PAIR_BODIES; ++end_of) {
         const double share = (end_of == 0 ? 1.0 : -1.0) * body_inverse_mass(q->v, ends[end_of]);
         struct body_state *body = &q->body[ends[end_of]];
-        if (body_is_free(q->v, ends[end_of])) {
-            body->velocity = vec3_axpy(body->velocity, share, impulse);
-            body->moved = vec3_axpy(body->moved, share, path);
-        }
+        body->velocity = vec3_axpy(body->velocity, share, impulse);
+        body->moved = vec3_axpy(body->moved, share, path);
     }
     if (body_is_prescribed(q->v, ends[1])) { /* its speed along the plane is constant */
         q->external_work += vec3_dot(impulse, path_at(q->path[ends[1]].velocity, 3, q->clock));
@@ -483,6 +454,15 @@ static bool cap_may_act(const struct segment *p, const struct friction_law *law)
 /* Most radians of the contact's oscillation that quadratures follow in one segment: some hundred panels. */
 static const double MOST_RADIANS = 400.0;
 
+/* Returns the s up to which a segment that ends at `end` needs no quadrature. */
+static double closed_until(const struct slide *f, double end)
+{
+    if (!(f->per_impulse > 0.0)) {
+        return end;
+    }
+    return axis_turns(f, f->slip, segment_time(f->segment, end)) ? 0.0 : end_of_full_friction(f, end);
+}
+
 bool rubbing_allows(struct segment *p, const struct scene_state *q, int contact)
 {
     const struct friction_law law = scene_friction_law(q, contact, OPPOSED_SLIP);
@@ -494,11 +474,8 @@ bool rubbing_allows(struct segment *p, const struct scene_state *q, int contact)
     const double radians = radians_in(p, time);
     if (radians > MOST_RADIANS) {
         const struct slide f = slide_of(p, q, contact);
-        const bool slips = f.per_impulse > 0.0;
-        const double full = !slips ? end : axis_turns(&f, f.slip, time) ? 0.0 : end_of_full_friction(&f, end);
-        if (full < end) {
-            p->end = fmin(segment_place(p, segment_time(p, full) + time * (MOST_RADIANS / radians)), end);
-        }
+        const double until = segment_time(p, closed_until(&f, end)) + time * (MOST_RADIANS / radians);
+        p->end = until < time ? segment_place(p, until) : p->end;
     }
     p->work += 1 + (int)fmin(radians, MOST_RADIANS);
     return true;
@@ -509,12 +486,7 @@ double rubbing_short_until(const struct segment *p, const struct scene_state *q,
     const struct slide f = slide_of(p, q, contact);
     const double end = fmin(p->end, p->terminal.s);
     const double time = segment_time(p, end);
-    if (!(f.per_impulse > 0.0)) {
-        return (double)INFINITY;
-    }
-    if (axis_turns(&f, f.slip, time)) {
-        return 0.0;
-    }
-    const double full = segment_time(p, end_of_full_friction(&f, end));
-    return radians_in(p, time - full) > LONGEST_PANEL ? full : (double)INFINITY;
+    const double until = segment_time(p, closed_until(&f, end));
+    const bool turns = f.per_impulse > 0.0 && axis_turns(&f, f.slip, time);
+    return turns || radians_in(p, time - until) > LONGEST_PANEL ? until : (double)INFINITY;
 }

@@ -10,7 +10,7 @@
 /* Whether segments solve a contact that transmits a force, although bodies turn or rub in the scene: the
  * contact has no friction and its destination no turning axis, and skew cylinders do not turn and meet
  * between their ends; or it is the case of this file. */
-bool rubbing_is_solvable(const struct scene_state *q, int contact);
+bool rubbing_is_solvable(const struct scene_instant *at, int contact);
 
 /* Returns false where the cap of friction may act during a segment just made. Shortens a segment in which
  * quadratures would have to follow very many oscillations. */

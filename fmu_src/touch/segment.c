@@ -858,10 +858,8 @@ static struct torque_lever torque_lever_of(const struct contact_pair *pair)
     return lever;
 }
 
-/* Returns the integral of c x r'' up to the time of `change`, where `c` is the part of C that counts. */
-static struct vec3 by_lever(const struct contact_pair *pair, const struct pair_change *change,
-                            const struct vec3 moment[PAIR_MOMENTS],
-                            const struct vec3 c[SEPARATION_DEGREE + 1])
+struct vec3 segment_lever(const struct contact_pair *pair, const struct pair_change *change,
+                          const struct vec3 moment[PAIR_MOMENTS], const struct vec3 c[SEPARATION_DEGREE + 1])
 {
     const double t = change->time;
     struct vec3 rate = c[1];
@@ -887,9 +885,9 @@ static void add_torque_impulse(const struct contact_pair *pair, const struct tor
                                const struct pair_change *change, const struct vec3 moment[PAIR_MOMENTS],
                                struct contact_impulses *impulse)
 {
-    struct vec3 sum = by_lever(pair, change, moment, lever->c);
+    struct vec3 sum = segment_lever(pair, change, moment, lever->c);
     if (contact_is_skew(&pair->shape)) {
-        const struct vec3 of_foot = by_lever(pair, change, moment, lever->foot);
+        const struct vec3 of_foot = segment_lever(pair, change, moment, lever->foot);
         sum = vec3_sub(sum, of_foot);
         impulse->source_torque = vec3_axpy(impulse->source_torque, -pair->reduced_mass, of_foot);
     }

@@ -111,6 +111,11 @@ struct pair_change segment_change(const struct segment *p, double s);
 void segment_moments(const struct segment *p, double s, const struct pair_change *change, int count,
                      struct vec3 moment[PAIR_MOMENTS]);
 
+/* Returns the integral of c x r'' up to the time of `change`, by the moments of r, where `c` is the part of C
+ * that counts. At a rim c has r, too. */
+struct vec3 segment_lever(const struct contact_pair *pair, const struct pair_change *change,
+                          const struct vec3 moment[PAIR_MOMENTS], const struct vec3 c[SEPARATION_DEGREE + 1]);
+
 /* Whether the contact may become deeper than the bodies are wide. Positions then do not give the gap. */
 bool segment_is_deep(const struct segment *p);
 
