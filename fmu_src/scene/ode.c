@@ -227,6 +227,9 @@ static double stick_rounding(const struct friction_law *law, enum friction_regim
 void turning_friction_events(const struct scene_instant *at, int contact, double tolerated, double relative,
                              double absolute, double offset[ODE_EVENTS_EACH], double events[ODE_EVENTS_EACH])
 {
+    if (!SCENE_ANY_TURNING) {
+        return; /* the scene has none of these events */
+    }
     const struct turning_laws laws = turning_laws_of(at->q, contact);
     const double force = at->normal_force[contact];
     const struct contact_geometry *g = &at->geometry[contact];
