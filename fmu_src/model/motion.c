@@ -198,7 +198,8 @@ CONTACT_NOINLINE static void show_prescribed(struct scene_values *v, const struc
 {
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_is_prescribed(v, i)) {
-            present_body(v, q, i, scene_body_now(q, i));
+            const struct body_state at = scene_body_now(q, i);
+            present_body(v, i, scene_displacement_of(q, i, at.moved), at.velocity);
         }
     }
 }
@@ -215,7 +216,8 @@ static void foresee_reading(struct model *m, double clock)
     int others = 0; /* bits of the motions that are not free; costs one instruction for each body */
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_is_free(v, i)) {
-            present_body(v, q, i, flight_unforced_at(q, i, clock));
+            const struct body_state at = flight_unforced_at(q, i, clock);
+            present_body(v, i, vec3_add(q->origin[i].displacement, at.moved), at.velocity);
         } else {
             others |= body_motion(v, i);
         }

@@ -368,9 +368,11 @@ static void warn_of_missing_direction(struct model *m, const struct scene_instan
 static void update_bodies(struct model *m)
 {
     struct scene_values *v = &m->state.values;
+    const struct scene_state *q = &m->state.motion;
     motion_catch_up(m);
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        present_body(v, &m->state.motion, i, scene_body_now(&m->state.motion, i));
+        const struct body_state at = scene_body_now(q, i);
+        present_body(v, i, scene_displacement_of(q, i, at.moved), at.velocity);
     }
     m->outputs = OUTPUTS_BODIES;
 }

@@ -393,10 +393,10 @@ struct contact_law scene_contact_law(const struct scene_state *q, int contact)
 /* Returns the displacement of a body at clock 0. */
 static struct vec3 origin_of(const struct scene_state *q, int body)
 {
-    if (body_is_prescribed(q->v, body)) {
-        return q->path[body].displacement[0];
+    if (body_is_free(q->v, body)) {
+        return q->origin[body].displacement;
     }
-    return body_is_free(q->v, body) ? q->origin[body].displacement : vec3_make(0.0, 0.0, 0.0);
+    return body_is_prescribed(q->v, body) ? q->path[body].displacement[0] : vec3_make(0.0, 0.0, 0.0);
 }
 
 struct vec3 scene_displacement_of(const struct scene_state *q, int body, struct vec3 moved)
@@ -406,12 +406,15 @@ struct vec3 scene_displacement_of(const struct scene_state *q, int body, struct 
 
 static struct body_state body_at(const struct scene_state *q, double clock, int body)
 {
+    if (body_is_free(q->v, body)) {
+        return q->body[body];
+    }
     if (body_is_prescribed(q->v, body)) {
         const struct body_path *path = &q->path[body];
         return (struct body_state){vec3_scale(clock, path_at(path->displacement + 1, 3, clock)),
                                    path_at(path->velocity, 3, clock)};
     }
-    return body_is_free(q->v, body) ? q->body[body] : (struct body_state){.moved = {0.0, 0.0, 0.0}};
+    return (struct body_state){.moved = {0.0, 0.0, 0.0}};
 }
 
 struct body_state scene_body_now(const struct scene_state *q, int body)
@@ -1287,10 +1290,9 @@ struct scene_powers scene_powers_of_contact(const struct scene_instant *at, int 
     return power;
 }
 
-void present_body(struct scene_values *v, const struct scene_state *q, int body, struct body_state state)
+void present_body(struct scene_values *v, int body, struct vec3 displacement, struct vec3 velocity)
 {
-    const struct vec3 displacement = scene_displacement_of(q, body, state.moved);
     put_body_displacement(v, body, displacement);
     put_body_position(v, body, vec3_add(body_center(v, body), displacement));
-    put_body_velocity(v, body, state.velocity);
+    put_body_velocity(v, body, velocity);
 }

@@ -365,7 +365,7 @@ struct scene_powers {
 };
 struct scene_powers scene_powers_of_contact(const struct scene_instant *at, int contact);
 
-/* Sets the outputs displacement, position and velocity of a body of q. */
-void present_body(struct scene_values *v, const struct scene_state *q, int body, struct body_state state);
+/* Sets the outputs displacement, position and velocity of a body. */
+void present_body(struct scene_values *v, int body, struct vec3 displacement, struct vec3 velocity);
 
 #endif
