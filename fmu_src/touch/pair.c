@@ -204,11 +204,15 @@ static struct vec3 coupled(const struct contact_pair *p, struct vec3 a)
                                        : contact_across(&p->shape, a);
 }
 
-/* Returns the rest of the vector, which does not act on head-on motion: along a plane or a cylinder's axis;
- * zero at a sphere. */
+/* Returns the part of a vector that does not act on head-on motion: along a plane or a cylinder's axis; zero
+ * at a sphere. As the rest of `coupled` it would keep a rounding that long rests sum up. */
 static struct vec3 aside(const struct contact_pair *p, struct vec3 a)
 {
-    return vec3_sub(a, coupled(p, a));
+    if (contact_is_plane(&p->shape)) {
+        return contact_across_plane(p->normal, a);
+    }
+    return contact_is_cylinder(&p->shape) ? vec3_scale(vec3_dot(p->shape.axis, a), p->shape.axis)
+                                          : vec3_make(0.0, 0.0, 0.0);
 }
 
 /* The motion that both bodies share, without its part aside: the motion of the body that is not free, or of
@@ -400,7 +404,7 @@ bool pair_oscillation_make(struct pair_oscillation *p, const struct contact_pair
     if (!(p->rate > 0.0)) {
         return false;
     }
-    p->stiffness = from->reduced_mass * p->rate * p->rate;
+    p->dynamic_stiffness = from->reduced_mass * p->rate * p->rate;
     p->load = 2.0 * along_normal(from, 2) / (p->rate * p->rate);
     p->equilibrium = has_spring ? p->load : 0.0;
     const double y = from->gap - p->equilibrium;
@@ -497,9 +501,10 @@ void pair_oscillation_sample(const void *pair_oscillation, double s, struct pair
     for (int i = 0; i < 3; ++i) {
         sample->of[PAIR_GAP][i] = gap[i];
         sample->of[PAIR_GAP_RATE][i] = p->rate * gap[i + 1];
-        sample->of[PAIR_FORCE][i] = p->omega_d > 0.0 ? contact_linear_force(p->from->coefficients, gap[i],
-                                                                            sample->of[PAIR_GAP_RATE][i])
-                                                     : p->stiffness * (gap[i + 2] - (i == 0 ? p->load : 0.0));
+        sample->of[PAIR_FORCE][i] =
+            p->omega_d > 0.0
+                ? contact_linear_force(p->from->coefficients, gap[i], sample->of[PAIR_GAP_RATE][i])
+                : p->dynamic_stiffness * (gap[i + 2] - (i == 0 ? p->load : 0.0));
     }
 }
 
@@ -510,7 +515,7 @@ static double dissipated_by_dashpot(const struct pair_oscillation *p, const doub
     const bool has_spring = p->from->coefficients.k > 0.0;
     const double by_rate = grown[1] * (2.0 * p->free.y_rate + grown[1]);
     const double by_place = grown[0] * (has_spring ? 2.0 * p->free.y + grown[0] : -2.0 * p->load);
-    return p->from->coefficients.c > 0.0 ? -0.5 * p->stiffness * (by_rate + by_place) : 0.0;
+    return p->from->coefficients.c > 0.0 ? -0.5 * p->dynamic_stiffness * (by_rate + by_place) : 0.0;
 }
 
 struct pair_change pair_change_along_normal(const struct contact_pair *from, double time, double r,

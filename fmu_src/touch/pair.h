@@ -127,7 +127,7 @@ struct frame_flight frame_flight_of(const struct contact_pair *from);
 struct pair_oscillation {
     const struct contact_pair *from;
     double rate;                  /* sqrt(p_n / m_red), or p_nv / m_red [1/s] */
-    double stiffness;             /* m_red rate^2: p_n where there is a spring [N/m] */
+    double dynamic_stiffness;     /* m_red rate^2: p_n where there is a spring [N/m] */
     double load;                  /* side n.A per s^2 [m] */
     struct free_oscillation free; /* y, y' at the start [m] */
     double omega_d;               /* radians of y per s: sqrt(1 - damping_rate^2 / 4); 0 where it decays */
