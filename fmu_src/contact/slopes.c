@@ -42,12 +42,12 @@ void jet_direction(int terms, const struct vec3 a[JET_TERMS], double length[JET_
     }
 }
 
-void jet_across(int terms, const struct vec3 c[JET_TERMS], const struct vec3 axis[JET_TERMS],
-                struct vec3 across[JET_TERMS], double axial[JET_TERMS])
+void jet_across(int terms, const struct vec3 c[JET_TERMS], const struct vec3 direction[JET_TERMS],
+                struct vec3 across[JET_TERMS], double along[JET_TERMS])
 {
     for (int i = 0; i < terms; ++i) {
-        axial[i] = jet_dot(c, axis, i);
-        across[i] = vec3_sub(c[i], jet_scale(axial, axis, i));
+        along[i] = jet_dot(c, direction, i);
+        across[i] = vec3_sub(c[i], jet_scale(along, direction, i));
     }
 }
 

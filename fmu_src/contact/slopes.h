@@ -76,9 +76,10 @@ CONTACT_COLD void friction_stored_terms(const struct friction_law *law, enum fri
 CONTACT_COLD void jet_direction(int terms, const struct vec3 a[JET_TERMS], double length[JET_TERMS],
                                 struct vec3 unit[JET_TERMS]);
 
-/* Sets the series of the part of c across an axis and of the component along the axis. */
-CONTACT_COLD void jet_across(int terms, const struct vec3 c[JET_TERMS], const struct vec3 axis[JET_TERMS],
-                             struct vec3 across[JET_TERMS], double axial[JET_TERMS]);
+/* Sets the series of the part of c across a unit vector and of the component along it. */
+CONTACT_COLD void jet_across(int terms, const struct vec3 c[JET_TERMS],
+                             const struct vec3 direction[JET_TERMS], struct vec3 across[JET_TERMS],
+                             double along[JET_TERMS]);
 
 /* The laws and their regimes: of the normal force, and of friction and both resistances (enum opposed). */
 struct turning_laws {

@@ -396,7 +396,10 @@ static struct vec3 origin_of(const struct scene_state *q, int body)
     if (body_is_free(q->v, body)) {
         return q->origin[body].displacement;
     }
-    return body_is_prescribed(q->v, body) ? q->path[body].displacement[0] : vec3_make(0.0, 0.0, 0.0);
+    if (body_is_prescribed(q->v, body)) {
+        return q->path[body].displacement[0];
+    }
+    return vec3_make(0.0, 0.0, 0.0);
 }
 
 struct vec3 scene_displacement_of(const struct scene_state *q, int body, struct vec3 moved)
