@@ -23,20 +23,35 @@ static const double FULL_FRICTION = 37.0;
 /* Roundings of a velocity in the slip of a sphere that rolls. */
 static const double ROLLING_ROUNDINGS = 8.0;
 
-/* A load along the plane is zero if it is below this part of the load: a slanted normal is rounded. */
+/* A load along the plane is zero if it is below this part of all loads: a slanted normal is rounded. */
 static const double LOAD_ROUNDING = 8.0 * DBL_EPSILON;
 
 /* Whether no load acts along the plane on the relative motion, now and later. */
-static bool loads_are_normal(const struct scene_instant *at, int contact)
+static bool loads_are_normal(const struct scene_state *q, int contact)
 {
-    const struct separation_path flight = separation_path_of(at, at->q->clock, contact);
-    const struct vec3 normal = at->q->contact[contact].parameters.axis;
-    bool all = true;
-    for (int i = 1; i < SEPARATION_DEGREE; ++i) {
-        const double along = vec3_max_abs(contact_across_plane(normal, flight.w[i]));
-        all = all && along <= LOAD_ROUNDING * vec3_max_abs(flight.w[i]);
+    const int ends[PAIR_BODIES] = {contact_source(contact), contact_destination(contact)};
+    const struct vec3 normal = q->contact[contact].parameters.axis;
+    for (int i = 0; i < 3; ++i) {
+        struct vec3 load = {0.0, 0.0, 0.0}; /* the coefficient of time^i in C'' */
+        double size = 0.0;
+        for (int end = 0; end < PAIR_BODIES; ++end) {
+            const struct body_path *path = &q->path[ends[end]];
+            const double sign = end == 0 ? -1.0 : 1.0;
+            if (body_is_free(q->v, ends[end])) {
+                const struct vec3 by = vec3_scale(1.0 / body_mass(q->v, ends[end]), path->force[i]);
+                const struct vec3 field = i == 0 ? gravity(q->v) : vec3_make(0.0, 0.0, 0.0);
+                load = vec3_axpy(vec3_axpy(load, sign, by), sign, field);
+                size += vec3_max_abs(by) + vec3_max_abs(field);
+            } else if (body_is_prescribed(q->v, ends[end]) && i < 2) {
+                load = vec3_axpy(load, sign * (i + 1), path->velocity[i + 1]);
+                size += (i + 1) * vec3_max_abs(path->velocity[i + 1]);
+            }
+        }
+        if (!(vec3_max_abs(contact_across_plane(normal, load)) <= LOAD_ROUNDING * size)) {
+            return false;
+        }
     }
-    return all;
+    return true;
 }
 
 bool rubbing_is_solvable(const struct scene_instant *at, int contact)
@@ -62,7 +77,7 @@ bool rubbing_is_solvable(const struct scene_instant *at, int contact)
     return body_shape(destination) == SHAPE_PLANE && !contact_has_springs(v, contact) &&
            q->contact[contact].friction_regime[OPPOSED_SLIP] != (int32_t)FRICTION_CAPPED &&
            body_is_free(v, source) && !body_turn_is_prescribed(v, source) &&
-           path_rests(q->path[source].torque) && loads_are_normal(at, contact);
+           path_rests(q->path[source].torque) && loads_are_normal(q, contact);
 }
 
 /* The slip at the start of a segment, and what friction makes of it. */
