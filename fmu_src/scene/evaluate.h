@@ -283,8 +283,9 @@ double scene_outward_force(const struct scene_instant *at, int contact);
  * zones itself. Without a zone the nearest one holds. */
 void zones_follow(struct scene_state *q, const struct scene_instant *at, int contact);
 
-/* Sets the next zone of the contact. Returns whether n jumps at its edge: it does where the centre is inside
- * the solid or at the circle of the rim. */
+/* Sets the next zone of the contact, or the zone that the centre is in if it is clearly beyond the edge.
+ * Returns whether n jumps at the edge: it does where the centre is inside the solid or at the circle of the
+ * rim. */
 bool zones_pass(struct scene_state *q, const struct scene_instant *at, int contact);
 
 /* Returns how far the source's centre is inside the edges of the zone [m]; 1 m where there is no zone. */
