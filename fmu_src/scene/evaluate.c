@@ -148,7 +148,7 @@ struct friction_law scene_friction_law(const struct scene_state *q, int contact,
         return contact_resists(v, contact) ? resistance_law(q, contact, part)
                                            : (struct friction_law){.kind = FRICTION_NONE};
     }
-    /* With F_max = 0 friction has no force, as with mu = 0; no event would tell that mu F_n passes F_max. */
+    /* with F_max = 0 the coefficients count as zero, because no event tells that mu F_n passes zero */
     const double largest = contact_maximum_friction_force(v, contact);
     const double share = largest > 0.0 ? 1.0 : 0.0;
     return (struct friction_law){

@@ -67,8 +67,8 @@ bool scene_is_hertz(const struct scene_values *v, int contact);
 /* Whether a contact has Hertz's law and its damping follows from the speed at each onset. */
 bool scene_damps_by_onset(const struct scene_values *v, int contact);
 
-/* Returns the motion of one body at the present clock of q, and u [m] of a body that has `moved` [m] since
- * clock 0. */
+/* The first function returns the motion of one body at the present clock of q, the second u [m] of a body
+ * that has `moved` [m] since clock 0. */
 struct body_state scene_body_now(const struct scene_state *q, int body);
 struct vec3 scene_displacement_of(const struct scene_state *q, int body, struct vec3 moved);
 
