@@ -187,7 +187,8 @@ struct friction_spring_drive {
 struct friction_spring_drive friction_spring_drive_of(const struct friction_law *law,
                                                       enum friction_regime regime, struct friction_state at);
 
-/* Returns the part of the rate, or of its change, by a drive z or by a change of z. */
+/* Returns the part of the spring's rate that the drive z gives. If z is a change of the drive, the result is
+ * the change of that part. */
 struct vec3 friction_driven(const struct friction_spring_drive *drive, struct vec3 z);
 
 /* Returns xi' [m/s] under the force F_t, without what the normal turns (opposed_turned). */

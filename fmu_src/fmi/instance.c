@@ -676,7 +676,7 @@ enum model_status exchange_get(struct instance *instance, enum exchange_values w
 
 /* The version is raised whenever the layout or meaning of the header or of the model's state (struct
  * model_state, struct scene_state, struct scene_values) changes. */
-#define BLOCK_VERSION 7u
+#define BLOCK_VERSION 8u
 
 struct block_header {
     uint32_t magic; /* the adapter's; a block of the other byte order does not match */

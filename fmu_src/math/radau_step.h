@@ -103,7 +103,7 @@ bool radau_step_goes_on(const struct radau_step *p);
 /* Writes the coupled states at a stage by the last iteration, and leaves the other entries of y alone. */
 void radau_step_stage(const struct radau_step *p, int stage, double *y);
 
-/* Evaluates end_slopes. To be called after radau_step_finish. */
+/* Evaluates end_slopes. radau_step_finish must have been called. */
 void radau_step_end_slopes(struct radau_step *p);
 
 /* Takes over a step as the last solution: its Chebyshev coefficients [stages + 1][size] in rows of `stride`

@@ -3,7 +3,8 @@
 /* 2 pi to 160 digits of two: three doubles that do not overlap. */
 static const double TURN[3] = {0x1.921fb54442d18p+2, 0x1.1a62633145c07p-52, -0x1.f1976b7ed8fbcp-108};
 
-/* Beyond so many turns not even twice the digits tell the angle: it is zero then, and where it overflows. */
+/* Beyond so many turns not even twice the digits tell an angle. It then counts as zero, and so does an angle
+ * that overflows. */
 static const double TOO_MANY_TURNS = 1e30;
 
 struct sine_cosine {

@@ -93,7 +93,7 @@ struct contact_coefficients model_factors(const struct scene_state *q, int conta
 double model_diagonal(const struct scene_values *v, int contact, struct vec3 c, struct vec3 rate,
                       double *slope);
 
-/* Returns d/ds of the law's factors for that slope of the diagonal. */
+/* Returns the rates of the law's factors while the diagonal changes by `diagonal_slope` [m/s]. */
 struct contact_law model_law_slope(const struct model *m, int contact, double diagonal_slope);
 
 /* Sets the paths of the bodies at the start by the inputs. */

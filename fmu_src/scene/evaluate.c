@@ -148,7 +148,7 @@ struct friction_law scene_friction_law(const struct scene_state *q, int contact,
         return contact_resists(v, contact) ? resistance_law(q, contact, part)
                                            : (struct friction_law){.kind = FRICTION_NONE};
     }
-    /* With F_max = 0 friction has no force, as with mu = 0; no event would tell that mu F_n passes F_max. */
+    /* with F_max = 0 the coefficients count as zero, because no event tells that mu F_n passes zero */
     const double largest = contact_maximum_friction_force(v, contact);
     const double share = largest > 0.0 ? 1.0 : 0.0;
     return (struct friction_law){
@@ -1022,8 +1022,13 @@ bool zones_pass(struct scene_state *q, const struct scene_instant *at, int conta
     }
     const struct contact_shape shape = scene_contact_shape_at(at, contact);
     const struct vec3 c = at->separation[contact];
-    const double rounding = fmax(rounding_of_gap(at, contact), fabs(zones_margin(at, contact)));
-    const int next = contact_zone_next(&shape.solid, zone, c, rate_in_destination(at, contact), rounding);
+    const double outside = -zones_margin(at, contact);
+    const double rounding = fmax(rounding_of_gap(at, contact), fabs(outside));
+    /* the integrator of an importer may find the edge late */
+    const int next =
+        outside > 2.0 * rounding_of_gap(at, contact)
+            ? contact_zone_at(&shape.solid, c)
+            : contact_zone_next(&shape.solid, zone, c, rate_in_destination(at, contact), rounding);
     q->contact[contact].zone = next;
     return contact_zone_jumps(&shape.solid, zone, next, c, at->geometry[contact].distance, rounding);
 }

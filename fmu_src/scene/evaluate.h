@@ -67,8 +67,8 @@ bool scene_is_hertz(const struct scene_values *v, int contact);
 /* Whether a contact has Hertz's law and its damping follows from the speed at each onset. */
 bool scene_damps_by_onset(const struct scene_values *v, int contact);
 
-/* Returns the motion of one body at the present clock of q, and u [m] of a body that has `moved` [m] since
- * clock 0. */
+/* The first function returns the motion of one body at the present clock of q, the second u [m] of a body
+ * that has `moved` [m] since clock 0. */
 struct body_state scene_body_now(const struct scene_state *q, int body);
 struct vec3 scene_displacement_of(const struct scene_state *q, int body, struct vec3 moved);
 
@@ -283,8 +283,9 @@ double scene_outward_force(const struct scene_instant *at, int contact);
  * zones itself. Without a zone the nearest one holds. */
 void zones_follow(struct scene_state *q, const struct scene_instant *at, int contact);
 
-/* Sets the next zone of the contact. Returns whether n jumps at its edge: it does where the centre is inside
- * the solid or at the circle of the rim. */
+/* Sets the next zone of the contact, or the zone that the centre is in if it is clearly beyond the edge.
+ * Returns whether n jumps at the edge: it does where the centre is inside the solid or at the circle of the
+ * rim. */
 bool zones_pass(struct scene_state *q, const struct scene_instant *at, int contact);
 
 /* Returns how far the source's centre is inside the edges of the zone [m]; 1 m where there is no zone. */

@@ -167,8 +167,9 @@ void ode_rates_under(const struct scene_ode *ode, const double *y, const struct 
                      const struct vec3 *torque, struct scene_instant *at, double *rates);
 
 /* Computes the event functions of friction and both resistances of a contact that rubs and transmits a force.
- * Each is raised by its `offset`, twice its error by rounding and by errors of the opposed motions: the slip
- * has one of `tolerated` [m/s], the parts of omega have those of the tolerances. */
+ * Each is raised by its `offset`, which the function sets. An offset is twice the error by rounding and by
+ * errors of the opposed motions: the slip has one of `tolerated` [m/s], the parts of omega have those of the
+ * tolerances. */
 void turning_friction_events(const struct scene_instant *at, int contact, double tolerated, double relative,
                              double absolute, double offset[ODE_EVENTS_EACH], double events[ODE_EVENTS_EACH]);
 

@@ -228,7 +228,8 @@ static double onset_force(const struct scene_instant *at, int contact)
 
 /* Replaces the instant of a Hertzian contact that is at rest at its touch by one a moment later, when the
  * load has pressed the bodies together by the rounding of the gap. F_n and the spring's part of F* grow from
- * rest with powers of time that the motion at rest does not tell; the places stay as they are. */
+ * rest with powers of time that only the velocities of that moment tell. The places of free bodies stay as
+ * they are. */
 static void leave_rest(const struct rubbed *r, struct scene_instant *at)
 {
     const struct scene_state *q = r->q;
@@ -400,10 +401,10 @@ void transition_set_regime(struct scene_state *q, int contact, enum contact_regi
 }
 
 /* Returns the gap at a change of regime [m]. Where contact ends by the gap, the gap is at least zero. Where
- * an integrator has found a touch, the gap is zero; a foreseen touch has a gap of its own. A gap that is not
- * so by more than its rounding error stays as it is. At the end of contact this error is 64 roundings of the
- * distance that the bodies have covered relative to each other in the phase, which has `lasted` so many
- * seconds; the phases of a contact before it count by the penetration. */
+ * an integrator has found a touch, the gap is zero; a foreseen touch has a gap of its own. A gap that
+ * differs from these by more than its rounding error stays as it is. At the end of contact this error is at
+ * least 64 roundings of the distance that the bodies have covered relative to each other in the phase, which
+ * has `lasted` so many seconds; the phases of a contact before it count by the penetration. */
 static double gap_at_change(const struct scene_instant *at, int contact, enum contact_regime regime,
                             double lasted)
 {

@@ -57,6 +57,26 @@ def test_a_force_element_is_a_function_of_its_inputs():
         assert outside.states().size == outside.indicators().size == 0
 
 
+CAP = {"source.center": [0.0, 0.34, 0.2], "source.radius": 0.05, "gravity": [0.0, 0.0, 0.0]}
+CAP |= {"destination.finite_length": True, "destination.ends": "capped", "destination.length": 0.6}
+CAP |= {"destination.radius": 0.3, "destination.axis": [0.0, 0.0, 1.0], "contact.penalty_factor": 1e4}
+
+
+@pytest.mark.parametrize("scene, start, moved, velocity", [
+    ("CrossedRollers", {"source.center": [0.0, 0.0, 0.049]}, [-0.2 - 1e-6, 0.0, 0.0], [1.0, 0.0, 0.0]),
+    ("SphereCylinder", CAP, [0.1786, -0.0648, 0.1079], [-0.56, 0.051, -0.686]),
+])  # fmt: skip
+def test_a_source_that_is_put_beyond_an_edge_takes_the_zone_there(scene, start, moved, velocity):
+    """The event iteration ends also where the source moves back towards the zone that it has left."""
+    outside = begun(scene, start)
+    put = {f"source.displacement_state[{k}]": place for k, place in enumerate(moved, 1)}
+    put |= {f"source.velocity_state[{k}]": speed for k, speed in enumerate(velocity, 1)}
+    names = outside.instance.fmu.roles["state"]
+    outside.put(0.0, np.array([put.get(*one) for one in zip(names, outside.states(), strict=True)]))
+    outside.event()
+    assert outside.instance.get("solver.events") == 1
+
+
 @pytest.mark.parametrize("axis", [[0.0, 0.0, 1.0], [0.3, 1.0, 0.2]])
 def test_directional_derivatives_are_those_of_differences(dashpot, axis):
     """Of outputs and rates with respect to states and inputs, in contact, one body free and one led."""

@@ -184,7 +184,7 @@ def refused(instance: raw.Instance, blob: bytes, *words: str) -> None:
 
 @pytest.mark.parametrize(("field", "value", "word"), [
     ("version", 0, "version"),
-    ("version", 6, "version"),
+    ("version", 7, "version"),
     ("version", 2**32 - 1, "version"),
     ("magic", 1, "magic"),
     ("scene", 0, "model"),
@@ -203,13 +203,13 @@ def refused(instance: raw.Instance, blob: bytes, *words: str) -> None:
 ])  # fmt: skip
 def test_a_state_with_another_header_is_refused(saved, field, value, word):
     instance, blob = saved
-    assert header(blob)["version"] == 7
+    assert header(blob)["version"] == 8
     refused(instance, forge(blob, **{field: value}), word)
 
 
 def test_a_state_of_another_version_says_both_versions(saved):
     instance, blob = saved
-    refused(instance, forge(blob, version=77), "version 77", "expected 7")
+    refused(instance, forge(blob, version=77), "version 77", "expected 8")
 
 
 def test_a_state_of_another_fmu_is_refused():
