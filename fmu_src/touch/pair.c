@@ -205,10 +205,14 @@ static struct vec3 coupled(const struct contact_pair *p, struct vec3 a)
 }
 
 /* Returns the rest of the vector, which does not act on head-on motion: along a plane or a cylinder's axis;
- * zero at a sphere. */
+ * zero at a sphere. The rounding of a difference from `coupled` would move bodies that rest for long. */
 static struct vec3 aside(const struct contact_pair *p, struct vec3 a)
 {
-    return vec3_sub(a, coupled(p, a));
+    if (contact_is_plane(&p->shape)) {
+        return contact_across_plane(p->normal, a);
+    }
+    return contact_is_cylinder(&p->shape) ? vec3_scale(vec3_dot(p->shape.axis, a), p->shape.axis)
+                                          : vec3_make(0.0, 0.0, 0.0);
 }
 
 /* The motion that both bodies share, without its part aside: the motion of the body that is not free, or of
