@@ -779,7 +779,7 @@ static double event_at(struct general *g, int event, double part)
     return ode_event(&g->ode, p->start + part * p->length, g->y, event);
 }
 
-/* Returns the same at a place of the step. */
+/* Returns an event function at a place of the step. */
 static double event_within(struct general *g, int event, double place)
 {
     return event_at(g, event, radau_part(g->step.stages, place));
