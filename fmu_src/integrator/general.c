@@ -779,7 +779,7 @@ static double event_at(struct general *g, int event, double part)
     return ode_event(&g->ode, p->start + part * p->length, g->y, event);
 }
 
-/* Returns the same at a place of the step. */
+/* Returns an event function at a place of the step. */
 static double event_within(struct general *g, int event, double place)
 {
     return event_at(g, event, radau_part(g->step.stages, place));
@@ -1025,6 +1025,21 @@ static double time_to_release(struct general *g)
     return time > clock_rounding(g) ? time : (double)INFINITY;
 }
 
+/* Returns the error, divided by the error allowed, of a step with a release before its second stage: the
+ * stages then hardly show the impulse before the release. */
+static double error_before_stages(const struct general *g, double release)
+{
+    const struct radau_step *p = &g->step;
+    double error = 0.0;
+    for (int j = 0; SCENE_ANY_HERTZ && release < p->stages->node[1] * p->length && j < SCENE_CONTACTS; ++j) {
+        if (force_bends(g, j)) {
+            const double impulse = release * g->at_start.normal_force[j];
+            error = fmax(error, impulse * p->weight[g->ode.layout.impulse[j]]);
+        }
+    }
+    return error;
+}
+
 /* Shortens g->plan.longest after the attempt `now` has been rejected. */
 static void shorten(struct general *g, const struct attempt *now)
 {
@@ -1097,6 +1112,7 @@ static bool make_accurate_step(struct general *g, double limit, double left, lon
             release = any_force_bends(g) ? time_to_release(g) : (double)INFINITY;
             if (now.stages->pace != RADAU_TO_RELEASE && release < BENDS_APART * now.length) {
                 g->error_at_end = fmax(g->error_at_end, SHARE_AT_RELEASE * g->error_within);
+                g->error_at_end = fmax(g->error_at_end, error_before_stages(g, release));
                 now.error = fmax(now.error, g->error_at_end);
             }
         }

@@ -204,8 +204,8 @@ static struct vec3 coupled(const struct contact_pair *p, struct vec3 a)
                                        : contact_across(&p->shape, a);
 }
 
-/* Returns the part of a vector that does not act on head-on motion: along a plane or a cylinder's axis; zero
- * at a sphere. As the rest of `coupled` it would keep a rounding that long rests sum up. */
+/* Returns the part of a vector that does not act on head-on motion: along a plane or a cylinder's axis;
+ * zero at a sphere. The rounding of a difference from `coupled` would move bodies that rest for long. */
 static struct vec3 aside(const struct contact_pair *p, struct vec3 a)
 {
     if (contact_is_plane(&p->shape)) {

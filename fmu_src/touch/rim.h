@@ -71,7 +71,8 @@ void rim_slopes_by_distance(const struct rim_start *start, const struct rim_stat
                             struct vec3 acceleration, double slopes[4]);
 
 /* These functions return n, c - c(0) [m], and c' - c'(0) [m/s] where d' is first `before` and then `radial`,
- * in the frame. A motion that does not turn loses no digits. */
+ * in the frame. Where n turns, the differences have the rounding of d and of the speeds; a motion that does
+ * not turn loses no digits. */
 struct vec3 rim_normal(const struct rim_state *at);
 struct vec3 rim_moved(const struct rim_start *start, const struct rim_state *at);
 struct vec3 rim_gained(const struct rim_start *start, const struct rim_state *at, double before,

@@ -706,30 +706,38 @@ static void search_about(struct search *f, double place, double bound)
     f->largest = dense_output_largest(&w, f->what, &range, f->largest);
 }
 
-/* Searches about every place where the upper bound is highest between two of its samples and exceeds the
- * largest value found, since a decaying oscillation may not reach its envelope. The place is the last one at
- * which the bound rises, to half a turn or to the last digit, or the start where it falls at once. */
-static void search_swinging(struct search *f, const struct dense_output *bound)
+/* Returns where an upper bound is highest between its samples i and i + 1, to half a turn or to the last
+ * digit. */
+static double highest_between(const struct search *f, const struct dense_output *bound, int i)
 {
     const enum pair_quantity quantity = f->what->quantity;
     const double factor = f->what->factor;
+    const double *first = bound->at[i].of[quantity];
+    const double *last = bound->at[i + 1].of[quantity];
+    double low = bound->s[i];
+    double high = bound->s[i + 1];
+    if (!(factor * first[1] > 0.0 && factor * last[1] < 0.0)) { /* no top between them */
+        return factor * last[0] > factor * first[0] ? high : low;
+    }
+    double middle = 0.5 * (low + high);
+    while (high - low > PI / f->omega && middle > low && middle < high) {
+        struct pair_sample at;
+        bound->sampler(bound->segment, middle, &at);
+        *(factor * at.of[quantity][1] > 0.0 ? &low : &high) = middle;
+        middle = 0.5 * (low + high);
+    }
+    return middle;
+}
+
+/* Searches about the highest place between each two samples of the upper bound, where the bound exceeds the
+ * largest value found, since a decaying oscillation may not reach its envelope. */
+static void search_swinging(struct search *f, const struct dense_output *bound)
+{
     for (int i = 0; i + 1 < bound->count; ++i) {
-        struct pair_sample at = bound->at[i];
-        const double end = bound->s[i + 1];
-        double place = bound->s[i];
-        double step = factor * at.of[quantity][1] > 0.0 ? end - place : 0.0;
-        while (place < end && place + step > place) {
-            struct pair_sample next;
-            const double s = fmin(place + step, end);
-            bound->sampler(bound->segment, s, &next);
-            const bool rises = factor * next.of[quantity][1] >= 0.0;
-            place = rises ? s : place;
-            at = rises ? next : at;
-            step = step > 0.5 * PI / f->omega ? 0.5 * step : 0.0;
-        }
-        const double most = factor * at.of[quantity][0];
+        const struct dense_range range = {bound->s[i], bound->s[i + 1], &bound->at[i], &bound->at[i + 1]};
+        const double most = dense_output_largest(bound, f->what, &range, -(double)INFINITY);
         if (dense_output_is_larger(bound, most, f->largest)) {
-            search_about(f, place, most);
+            search_about(f, highest_between(f, bound, i), most);
         }
     }
 }

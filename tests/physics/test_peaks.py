@@ -18,6 +18,7 @@ from contact_fmus.fmu.contact_fmu import FmuError
 from support.checks import FMU, check_close, run, start
 from support.scenes.agreement import seeds
 from support.scenes.head_on import GEOMETRIES, head_on
+from support.scenes.random_scenes import random_scene
 from support.scenes.stiff_scenes import SCENES, stiff_scene
 
 METHOD = "event_driven"
@@ -149,6 +150,18 @@ def test_peaks_of_a_lasting_contact(opened, shape, dashpot, portion):
         check_close(f"force of {scene}", fmu["contact.peak_force"] / expected[0], 1.0, 3e-8)
         check_close(f"penetration of {scene}", fmu["contact.peak_penetration"] / expected[1], 1.0, 3e-8)
     assert compared >= 4
+
+
+@pytest.mark.parametrize("steps", [7, 35, 70])
+def test_the_peak_of_a_step_is_the_largest_of_its_parts(opened, steps):
+    """The load has a top, on which an oscillation has nearly died away."""
+    values, end = random_scene("plane", "driven by a force", 21119)
+    peaks = {steps: [], 700: []}
+    for count, list_of in peaks.items():
+        add_peak = lambda fmu, to=list_of: to.append(fmu["contact.peak_force"])  # noqa: E731
+        run(opened("SpherePlane"), values, end, count, TOLERANCE, each=add_peak)
+    parts = np.reshape(peaks[700][1:], (steps, -1)).max(axis=1)
+    check_close("peaks", peaks[steps][1:], parts, 1e-8)
 
 
 @pytest.mark.parametrize("ratio", [1.05, 1.2, 3.0, 30.0])

@@ -154,6 +154,14 @@ def test_balls_in_a_corner_and_in_a_row_end_the_same_however_they_are_stepped(op
     check_agreement(opened_several, family(np.random.default_rng(seed)), seed)
 
 
+def test_a_step_that_begins_soon_before_a_release_keeps_its_impulse(opened_several):
+    scene, fmu = balls_in_a_row(np.random.default_rng(31603)), opened_several("ThreeBalls")
+    right = answer(fmu, scene, 1e-12, 1, readings=False, method="cvode_bdf")["left.velocity"]
+    for tolerance in (1e-6, 1e-9, 1e-12):
+        found = answer(fmu, scene, tolerance, 1, readings=False)["left.velocity"]
+        check_close("velocity", found, right, 1e-8)
+
+
 @pytest.mark.parametrize(("gap", "tolerance"), [(0.02, 1e-8), (0.03, 1e-8), (0.02, 1e-6)])
 def test_a_touch_during_another_contact_is_found_in_any_number_of_steps(opened_several, gap, tolerance):
     fmu = opened_several("BallInCorner")

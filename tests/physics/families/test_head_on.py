@@ -76,7 +76,7 @@ def test_a_body_at_rest_presses_with_its_load_however_long_it_rests(opened, seed
     check_close("energy", fmu["energy.total"], before, 1e-11 * (1.0 + abs(before)))
 
 
-@pytest.mark.parametrize("seed", seeds())
+@pytest.mark.parametrize("seed", [*seeds(), 31443, 31787])  # on a slanted plane for 1e5 s
 def test_a_body_comes_to_rest_the_same_however_it_is_stepped(opened, seed):
     scene, _ = resting(np.random.default_rng(seed))
     check_agreement(opened, scene, seed, runs=3)
