@@ -697,6 +697,9 @@ struct state_block {
     struct block_header header; /* the bytes that the importer may copy begin here */
     _Alignas(double) unsigned char model[];
 };
+_Static_assert(offsetof(struct state_block, model) ==
+                   offsetof(struct state_block, header) + sizeof(struct block_header),
+               "the bytes of the model follow those of the header");
 
 #define CHECKED_FROM (offsetof(struct block_header, checksum) + sizeof(uint32_t))
 

@@ -1,8 +1,6 @@
 """Bad input: FMI 2.0 and FMI 3.0 refuse the same with the same status in the same words.
 
-One table for both of what Model Exchange refuses, one of Co-Simulation. A row is what is asked, and of Model
-Exchange the status and words that the message must have: what, where, the allowed range. Nothing changes.
-"""
+A row of the tables is what is asked, and of Model Exchange also the status and the words of the message."""
 
 import contextlib
 import math

@@ -1,8 +1,7 @@
 """What a scene pins away is gone: from the interface, from the binary, from the state.
 
 Strings are read from the library inside the FMU, functions and lines of source from the library before it was
-stripped. Each claim of absence stands beside one of presence in the universal FMU, which finds changed names.
-"""
+stripped. Each claim of absence stands beside one of presence in the universal FMU, which finds new names."""
 
 import re
 import zipfile

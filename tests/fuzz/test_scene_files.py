@@ -1,8 +1,6 @@
 """Whatever stands in a scene file, the generator writes all files or refuses in one line.
 
-Scenes are changed in three ways: values and keys, characters of the text, bytes. CONTACT_FUZZ_MINUTES
-(scripts/fuzz.sh) makes hypothesis go on for so long with new examples; in the tests they are always the same.
-"""
+Values and keys, characters or bytes change. CONTACT_FUZZ_MINUTES (scripts/fuzz.sh) asks for new ones."""
 
 import contextlib
 import io

@@ -17,8 +17,7 @@ TOLERANCES = [1e-6, 1e-8, 1e-10]
 
 
 def sliding(shape, inside, stiffness, ratio, mass, angle, speed):
-    """The ball is set down at the balance of load and spring, with a speed across the slope and a time to
-    slide."""
+    """The ball is set down at the balance of load and spring, with a speed across the slope and an end."""
     reach, height = (0.4, -1.0) if inside else (0.6, 1.0)
     turn = speed / reach if shape == "sphere" else 0.0
     load = mass * (9.81 * math.cos(angle) + (reach * turn**2 if inside else -reach * turn**2))
@@ -34,7 +33,7 @@ def sliding(shape, inside, stiffness, ratio, mass, angle, speed):
 
 
 def stiff_end(values, shape, end):
-    """The dashpot moves the ball by no more than it holds it back along the normal, so it ends as if
+    """The dashpot moves the ball by no more than it holds it back along the normal: it ends as if
     undamped."""
     return StiffContact({**values, "contact.method": "penalty"}, shape).end(end)
 
@@ -136,8 +135,7 @@ def settled_depth(chi, end):
 @pytest.mark.parametrize("k", [0, 24, 30, 54])
 def test_a_source_that_leaves_as_it_passes_the_end_of_a_turning_cylinder_meets_no_dashpot(opened, k):
     """It overlaps the side and moves away from it: only the spring acts, whatever the dashpot. In all but the
-    first case rounding puts the source on the far side of the end plane at the touch.
-    """
+    first case rounding puts the source on the far side of the end plane at the touch."""
     fmu = opened("SphereCylinder")
     values = {"source.motion": "free", "destination.rotation": "prescribed", "contact.location": "outside"}
     values |= {"destination.finite_length": True, "destination.length": 1.0, "destination.radius": 0.3}

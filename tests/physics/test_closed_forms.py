@@ -53,8 +53,8 @@ def test_restitution_duration_and_peaks_are_the_damped_oscillators(
 
 @pytest.mark.parametrize("shape, location", GEOMETRIES)
 def test_momentum_and_angular_momentum_of_two_free_bodies_stay(opened, shape, location, dashpot, method):
-    """The impact is oblique, without gravity. Angular momentum about the axis stays, for spheres about the
-    origin."""
+    """The impact is oblique, without gravity. Angular momentum about the axis, of spheres the origin,
+    stays."""
     configuration = head_on(
         shape, location, contact_method="penalty_dynamic", contact_dashpot=dashpot, destination_motion="free"
     )

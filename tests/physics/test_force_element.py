@@ -129,8 +129,7 @@ def law(values, gap, rate):
 
 
 def sampled(values, moved, times):
-    """Returns force on the source, normal force and gap at `times`. `moved` maps inputs to polynomials of
-    time."""
+    """Returns force on the source, normal force and gap at `times`. `moved` maps inputs to polynomials."""
     at = {name: polynomial(terms, times) for name, terms in moved.items()}
     apart = np.subtract(values["destination.center"], values["source.center"])
     c = apart + at["destination.prescribed_displacement"] - at["source.prescribed_displacement"]

@@ -1,6 +1,5 @@
 """Grazes: the impact speed is a small part of the speed along the surface, down to 1e-12 of it. They are
-counted, last as long and push as hard as the closed form or the reference integrator says, and nothing hangs.
-"""
+counted, last as long and push as hard as the closed form or the reference integrator says. None hangs."""
 
 import math
 from decimal import Decimal
@@ -27,8 +26,7 @@ def reference(values, shape, end):
 @pytest.mark.parametrize("share", [1e-6, 1e-9, 1e-12])
 @pytest.mark.parametrize("location", ["outside", "inside"])
 def test_a_graze_along_a_cylinder(opened, location, share, damping, steps):
-    """The ball has 1000 m/s along the axis, `share` of it towards the surface: head-on but for rounding of 50
-    m."""
+    """The ball has 1000 m/s along the axis, `share` of it towards the surface: head-on but for rounding."""
     along, stiffness, end = 1000.0, 1e6, 0.05
     speed = share * along
     values = head_on("cylinder", location, gap=0.01 * speed, speed=speed)

@@ -31,8 +31,7 @@ def deepest(stiffness, speed, mass=REDUCED):
 
 
 def impact(shape, location, stiffness=1e9, speed=1.0, masses="source free", **more):
-    """Bodies as large as the impact asks for start four depths apart. Also returns when the impact is
-    over."""
+    """Bodies as large as the impact asks for start four depths apart. Also returns the impact's end."""
     depth = deepest(stiffness, speed)
     radius = 100 * depth
     gap = 4 * depth

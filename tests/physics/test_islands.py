@@ -204,8 +204,7 @@ def test_fixed_bodies_that_overlap_press_while_a_ball_bounces_and_rubs(opened_se
 
 def test_a_ball_that_spin_drives_while_it_bounces_meets_its_neighbour(opened_several):
     """Before the bounce is over, friction turns spin into a speed several times that of the impact. If the
-    bound of that speed left the energy of rotation out, the neighbour would count as far until then.
-    """
+    bound of that speed left the energy of rotation out, the neighbour would count as far until then."""
     values = {"gravity": [0.0, 0.0, 0.0]}
     for i in range(1, 7):
         values |= {f"ball[{i}].motion": "fixed", f"ball[{i}].center": [i, 1e3, 1e3]}
@@ -227,8 +226,7 @@ def test_a_ball_that_spin_drives_while_it_bounces_meets_its_neighbour(opened_sev
 
 def test_what_flies_is_not_integrated_and_islands_are_solved_one_by_one(built):
     """Six balls cost about six times as much as one, although they touch the floor at different times. Where
-    all were integrated whenever one was in contact, they cost twelve times as much.
-    """
+    all were integrated whenever one was in contact, they cost twelve times as much."""
     counts = []
     for moving in ([1], range(1, 7)):
         start = bouncing("elastic", moving, 1e6, range(1, 7))

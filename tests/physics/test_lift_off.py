@@ -6,10 +6,7 @@ With the force F0 - F1 t towards the body, at rest with s = F0 / k before, the p
     m s'' + c s' + k s = F0 - F1 t,
     s = (F0 - F1 t) / k + c F1 / k^2 + two exponentials
 
-until s = 0 (unclamped) or until k s + c s' = 0 (non_adhesive), from where on the force alone acts.
-
-A body drawn off a slow one lets go long before anything else happens; what that gave is not lost in the rest.
-"""
+until s = 0 (unclamped) or until k s + c s' = 0 (non_adhesive), from where on the force alone acts."""
 
 import math
 from functools import cache

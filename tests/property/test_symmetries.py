@@ -45,8 +45,7 @@ def test_turning_the_world_turns_the_motion(opened, method, scene, seed):
 def test_moving_the_world_a_million_metres_moves_the_motion_only(opened, method, scene, seed):
     """X and u are kept apart: u, v, forces, energies lose nothing; x = X + u is rounded, 1e6 m to 1.2e-10 m.
 
-    X + shift is exact: the shift is a power of two times whole numbers and X a multiple of 2^-30.
-    """
+    X + shift is exact: the shift is a power of two times whole numbers and X a multiple of 2^-30."""
     shift = 2.0**20 * np.random.default_rng(seed).integers(-1, 2, size=3)
     base = dict(scene.configuration)
     for name in ("source.center", "destination.center"):

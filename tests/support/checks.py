@@ -35,8 +35,7 @@ def check_relative(what, value, expected, relative):
 
 
 def start(fmu, configuration, tolerance=None, method=None):
-    """Starts a run at time 0. "<input>.derivatives" lists the first and second derivatives given at time
-    0."""
+    """Starts a run at time 0. "<input>.derivatives" lists first and second derivatives given at time 0."""
     fmu.reset()
     fmu.messages.clear()
     values = {name: value for name, value in configuration.items() if not name.endswith(".derivatives")}

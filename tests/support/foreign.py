@@ -1,8 +1,7 @@
 """FMUs of another maker, in C: one that is sound, and the same with one thing broken, of FMI 2.0 and 3.0
 
 file = foreign_fmu(folder, 3, DoStep="abort();")     # what functions do besides what they must
-broken(folder, 2, "wrong token")                     # one of BROKEN
-"""
+broken(folder, 2, "wrong token")                     # one of BROKEN"""
 
 import subprocess
 import zipfile

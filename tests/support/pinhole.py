@@ -25,8 +25,7 @@ class Camera:
         return np.column_stack([x, y])
 
     def disc(self, center, radius):
-        """Returns middle and area of a sphere's picture: an ellipse, hardly shifted against the centre's
-        place."""
+        """Returns middle and area of a sphere's picture: an ellipse, hardly shifted against the centre."""
         apart = center - self.position
         distance = np.linalg.norm(apart)
         toward = apart / distance

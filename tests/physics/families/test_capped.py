@@ -30,8 +30,7 @@ def touching(place, gap):
 
 
 def loaded(place, gap, order, force=10.0):
-    """The ball rests at a gap, under a force against the normal that grows from zero as force t^order /
-    order!."""
+    """The ball rests at a gap. A force against the normal grows from zero as force t^order / order!."""
     center, normal = touching(place, gap)
     rows = [[0.0, 0.0, 0.0]] * (order - 1) + [list(-force * normal)]
     return CAPPED | {"source.center": list(center), "source.external_force.derivatives": rows}

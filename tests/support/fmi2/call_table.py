@@ -2,9 +2,8 @@
 and that of the main functions for Model Exchange (section 3.2.3).
 
 Columns: start/end, instantiated, Initialization Mode, stepComplete, stepFailed, terminated, error, fatal.
-The columns stepInProgress and stepCanceled are left out: no fmi2DoStep here runs asynchronously. 'x':
-allowed, '.': not allowed. Conditions on variables (the numbers 1, 2, 3, 6 in the standard) are tested by
-themselves; 7 and 8 allow the call."""
+stepInProgress and stepCanceled are left out: no fmi2DoStep here runs asynchronously. 'x': allowed, '.': not.
+Conditions on variables (1, 2, 3, 6 in the standard) have tests of their own; 7 and 8 allow the call."""
 
 STATES = ("start", "instantiated", "initialization", "complete", "failed", "terminated", "error", "fatal")
 

@@ -3,9 +3,8 @@
     python -m support.fmi2.solver_faults count|fail LIBRARY GUID GAP_REFERENCE METHOD_REFERENCE METHOD
 
 Prints a line of JSON for each allocation. "count": where it was asked for, in one life with all memory.
-"fail": also how a life ended in which it alone failed, and one in which all failed from it on: "survived",
-"signal N" or what was wrong; these lives are child processes, for some end in a crash.
-"""
+"fail": also how two child processes ended, in which it alone or all from it on failed: "survived", "signal N"
+or what was wrong."""
 
 import ctypes
 import json

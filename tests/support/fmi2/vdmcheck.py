@@ -2,9 +2,7 @@
 
     PYTHONPATH=tests python -m support.fmi2.vdmcheck build/fmus/*.fmu
 
-Maven brings the programs (vdmcheck/pom.xml) into <build>/vdmcheck once. There are two models of the standard,
-which find different faults: the rule model, with places in the standard, and the older static model.
-"""
+Maven brings the programs (vdmcheck/pom.xml) into <build>/vdmcheck once. The models find different faults."""
 
 import fcntl
 import hashlib

@@ -4,8 +4,7 @@
 Columns: Instantiated, Initialization Mode, Event Mode, Step Mode or Continuous-Time Mode, Terminated, after
 fmi3Error, after fmi3Fatal. 'x': allowed, '.': not allowed. "get" and "set" stand for all types but Float64.
 Functions that are in no row are those of what these FMUs do not have (clocks, structural parameters,
-Scheduled Execution, dependencies of elements, fmi3EvaluateDiscreteStates), or of the other kind: never right.
-"""
+Scheduled Execution, element dependencies, fmi3EvaluateDiscreteStates), or of the other kind: never right."""
 
 from support.fmi3.raw import ARGUMENTS, TYPES, WITHOUT_INSTANCE
 

@@ -3,11 +3,7 @@
 
     PYTHONPATH=tests python -m support.generator.freeze_references
 
-adds the references of new variables and scenes.
-
-It refuses to change or drop a line that is there: users' scripts and other tools rely on it. The test
-value_references_never_change reads the same file.
-"""
+It adds references of new variables and scenes, and refuses to change or drop a line, on which users rely."""
 
 import re
 import sys

@@ -10,8 +10,7 @@ distance rho,
     F_n = max(-p_n g - p_nv g', 0) while g < 0,   F_t = -mu F_n (1 - exp(-|u_t|/v_0)) u_t/|u_t|
     F = F_n n + F_t,   tau = (p - x) x F
 
-The functions are analytic where they are not cut off, so that a complex step gives derivatives.
-"""
+The functions are analytic where they are not cut off, so that a complex step gives derivatives."""
 
 import numpy as np
 from scipy.integrate import solve_ivp

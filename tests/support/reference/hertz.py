@@ -259,8 +259,7 @@ def dips(pair, state, then, branch, h):
 
 
 def run(pair, state, end, first=None, tolerance=TOLERANCE):
-    """Returns the state at `end` (positions, velocities, dissipated) and events: (time, branch that
-    begins)."""
+    """Returns the state at `end` (positions, velocities, dissipated) and events: (time, next branch)."""
     pair = precise(pair)
     state = np.concatenate([np.array(state, LONG), [LONG(0)]])
     time, end, events = LONG(0), LONG(end), []
@@ -317,8 +316,8 @@ def settle(pair, state, branch):
 
 
 def restitution_of(number, dashpot):
-    """Returns e of Hunt and Crossley by y = chi v, or of full damping by u exp(-u) = (1 + y) exp(-1 - y), u =
-    1 - e y."""
+    """Returns e of Hunt and Crossley by y = chi v, or of full damping: u exp(-u) = (1 + y) exp(-1 - y), u = 1
+    - e y."""
     y = mpmath.mpf(number)
     if dashpot == "approach_only":
         return float(mpmath.sqrt(2 * (y - mpmath.log(1 + y))) / y)

@@ -1,9 +1,8 @@
 """An independent reference for the motion: Taylor series of the equations of DESIGN section 1, with events.
 
-The motion is integrated regime by regime: within a regime the right-hand side is analytic, a step carries the
-power series of positions and velocities to a high order, and an event is the first root of a series, isolated
-by Bernstein signs (nothing is missed between samples, there are none). Free flight is a polynomial and takes
-one step however long it is. Which side of an event the motion is on is remembered.
+Within a regime the right-hand side is analytic: a step carries power series of positions and velocities to
+a high order, and an event is the first root of a series, isolated by Bernstein signs, so that none is missed.
+Free flight is one step however long it is. The side of an event on which the motion is, is remembered.
 
 The number type is float (quick) or decimal.Decimal (40 digits, the check of float). Dissipated work,
 external work and impulse ride along as further states."""

@@ -162,7 +162,7 @@ class Islands:
             list(self.parts(y))[3][contact] = 0.0
 
     def run(self, end, tolerance, longest=LONGEST):
-        """Returns places, velocities and spins at the end, and the number of onsets. `longest` limits a
+        """Returns places, velocities and spins at the end, and how many contacts began. `longest` is a
         step."""
         time, y, onsets = 0.0, self.start.copy(), 0
         regimes = self.first_regimes(y)

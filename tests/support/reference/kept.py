@@ -1,7 +1,6 @@
 """What references that integrate slowly have found of scenes, in kept_references.json.
 
-A scene that is missing there is computed when a test asks for it; of the others one in sixteen is, and must
-be found again. After a change of a reference or of the scenes:
+A missing scene is computed when a test asks for it, one in sixteen of the others too. To keep new ones:
 
     CONTACT_KEEP=1 PYTHONPATH=scripts:tests .venv/bin/python -m pytest tests/physics tests/examples
 """

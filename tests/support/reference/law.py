@@ -1,8 +1,7 @@
 """The contact law of DESIGN section 1, written again and on its own: geometry, factors, force in long double.
 
-A configuration is a flat dictionary of FMI variable names (DESIGN section 2), as it is given to an FMU;
-whatever is left out has the start value of DESIGN section 2. Everything is computed with numpy.longdouble, so
-that what differs from an FMU is the FMU's.
+A configuration is a flat dictionary of FMI variable names, as it is given to an FMU. The rest has the start
+values of DESIGN section 2. Everything is computed with numpy.longdouble, so that differences are the FMU's.
 
 Every result comes with the *size of its terms*: the sum of the magnitudes that were added up to get it.
 Rounding errors are relative to that size, not to a result that may have cancelled to nothing."""

@@ -1,12 +1,10 @@
-"""Makes the positions in scripts/contact_fmus/bench/{turning,island,pair}_references.json anew, where these
-problems stand:
+"""Makes the positions in scripts/contact_fmus/bench/{turning,island,pair}_references.json anew:
 
     PYTHONPATH=tests:scripts .venv/bin/python -m support.reference.make_scene_references [NAME ...]
 
 Without names all of them; some minutes. Those with friction and those of many contacts come from independent
 code, those of the later pairs from event_driven. The uncertainty is what another run differs by, at ten
-times the tolerance and for the pairs by CVODE, and rounding.
-"""
+times the tolerance and for the pairs by CVODE, and rounding."""
 
 import json
 import sys

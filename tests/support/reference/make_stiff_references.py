@@ -4,9 +4,7 @@
 
 Damped to a tenth of the critical damping: Radau IIA (stiff_motion.py), any stiffness. Undamped: the Taylor
 integrator as long as its steps can be counted out (1e9 N/m), beyond that an expansion in 1/p_n, the fast
-oscillation included (stiff_motion.py). The uncertainty is what a second run gave, a tenfold tolerance or a
-higher order; of the expansion, a bound of what it leaves out.
-"""
+oscillation included (stiff_motion.py). The uncertainty is a second run's, or a bound of the rest."""
 
 import json
 from concurrent.futures import ProcessPoolExecutor

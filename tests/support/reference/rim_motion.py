@@ -9,8 +9,7 @@ and w = r_d + r cos t from the axis; n, u and b point along the normal, across a
     p'' = (g.b - 2 w' p')/w,   w' = x' cos t - r t' sin t
 
 The unknowns for x are parts of the depth at the start and of the speed with which its oscillation would have
-that size: they stay of order 1 however stiff the contact is.
-"""
+that size: they stay of order 1 however stiff the contact is."""
 
 from math import cos, sin, sqrt
 from typing import NamedTuple

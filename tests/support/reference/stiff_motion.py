@@ -1,5 +1,4 @@
-"""Lasting contact with a very stiff wall: an asymptotic expansion in 1/p_n, a reference where no
-integrator that follows the oscillation can reach.
+"""Lasting contact with a very stiff wall: an asymptotic expansion in 1/p_n, beyond the reach of integrators.
 
 Let x be the source's centre seen from the destination's (across the axis of a cylinder), d = |x|,
 n = x / d, R = r_d - r_s (inside) or r_d + r_s (outside), s = d - R, L = x cross x', a the constant
@@ -16,8 +15,7 @@ Off its fast oscillation, s is a series in 1/w of quantities of the slow motion 
 (order 0: a bead on a circle or sphere of radius R + s_0). The oscillation s(0) - s_1(0) dies or goes on with
 the angle w t and, because only the curvature of the path changes w, with constant amplitude. It moves n and L
 by its integral, amplitude / w. What is left out is smaller than the step from order 0 to order 1, times (2
-zeta + 1) / w per second of the slow motion's time scale, and the integral of the oscillation.
-"""
+zeta + 1) / w per second of the slow motion's time scale, and the integral of the oscillation."""
 
 from math import cos, pi, sin, sqrt, tan
 from typing import NamedTuple

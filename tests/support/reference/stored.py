@@ -33,9 +33,8 @@ UNWEIGHED = {"impulse", "contact.last_duration"}
 
 
 def errors_beyond(fmu, row, tolerance, factor):
-    """Returns what differs from the reference by more than factor * tolerance. Displacements count relative
-    to the larger of 1 m and their size, everything else as far as a nudge of the given numbers by as much
-    would move it."""
+    """Returns what differs from the reference by more than factor * tolerance: of displacements relative to
+    1 m or their size, of all else as far as a nudge of the given numbers by as much would move it."""
     wrong = []
     for name, condition in row["condition"].items():
         if name in UNWEIGHED:

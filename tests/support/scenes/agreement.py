@@ -1,9 +1,8 @@
 """Families of random scenes whose answer must not depend on how it was asked for.
 
 A family is a function that takes a numpy random generator and returns a Scene. `disagreements` runs the
-scene once at the tightest tolerance in one communication step, then at looser tolerances, in more
-communication steps, with and without readings between them, and lists every quantity that differs by more
-than the tolerance allows:
+scene once at the tightest tolerance in one communication step, then at looser tolerances, in more steps,
+with and without readings between them, and lists every quantity that differs by more than allowed:
 
     def rim_passed(random): ...; return Scene("SphereCylinder", values, end=2.0)
 
@@ -11,8 +10,7 @@ than the tolerance allows:
     def test_a_rim_passed(opened, seed):
         check_agreement(opened, rim_passed(np.random.default_rng(seed)), seed)
 
-CONTACT_SCENES=1000 runs a thousand scenes of each family, CONTACT_FIRST_SCENE=5000 begins at that seed.
-"""
+CONTACT_SCENES=1000 runs a thousand scenes of each family, CONTACT_FIRST_SCENE=5000 begins at that seed."""
 
 import os
 from dataclasses import dataclass, field

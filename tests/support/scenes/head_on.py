@@ -7,8 +7,7 @@ the effective mass. With zeta = c / (2 sqrt(k m)) = sin(phi), omega = sqrt(k/m),
     s'  =  v / cos phi         exp(-theta tan phi) cos(theta + phi)
     F   = -m s'' = m omega v / cos phi exp(-theta tan phi) sin(theta + 2 phi)
 
-(each derivative turns the phase by phi). phi is complex for zeta > 1, with real results.
-"""
+(each derivative turns the phase by phi). phi is complex for zeta > 1, with real results."""
 
 import cmath
 import math

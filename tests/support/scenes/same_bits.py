@@ -2,8 +2,7 @@
 
 Runs N random scenes with every solver method, in one step and in several, and all scenarios, with the FMUs
 of this build and with those in FOLDER, and compares all outputs at every communication point. Prints which
-differ and in what, with the values that make each scene again; the status is 1 where any does. From the
-repository:
+differ and in what, with the values that make each scene again. The status is 1 where any does.
 
     PYTHONPATH=scripts:tests .venv/bin/python -m support.scenes.same_bits FOLDER --count 2000
 """

@@ -1,8 +1,7 @@
 """Scenes with friction and rotation whose end has a closed form: values, end, and what is then true.
 
 A solid ball has I = 2/5 m a^2, so its surface answers a tangential force with 7/2 of its mass. Where a form
-is exact for the regularized law at any v_0 it is given so; of a limit the order in v_0 or 1/p_n is said.
-"""
+is exact for the regularized law at any v_0 it is given so; of a limit the order in v_0 or 1/p_n is said."""
 
 import math
 from typing import NamedTuple
@@ -139,9 +138,8 @@ def turntable(v_0, mu=0.5, rate=3.0, way=(0.4, 0.1), velocity=(0.1, -0.2), stiff
 
 
 def bowl(v_0, stiffness, shape="sphere", angle=1.0, wide=0.5, mu=2.0, quarters=1):
-    """A ball rolls in a bowl, or across a lying tube, from rest at `angle`: in the limits v_0 = 0 and p_n
-    infinite (first order in both) it passes the lowest point after each odd quarter of 4 sqrt(7 rho/(5 g))
-    K(sin angle/2)."""
+    """A ball rolls in a bowl, or across a lying tube, from rest at `angle`. To first order in v_0 and 1/p_n it
+    is at the lowest point after each odd quarter of 4 sqrt(7 rho/(5 g)) K(sin angle/2)."""
     rho = wide - RADIUS
     quarter = math.sqrt(7 * rho / (5 * G)) * float(ellipk(math.sin(angle / 2) ** 2))
     speed = math.sqrt(10 / 7 * G * rho * (1 - math.cos(angle)))
