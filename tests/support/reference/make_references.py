@@ -2,7 +2,7 @@
 Taylor integrator in 40 digits, and how much they depend on the last digits of what is given. The scenes stand
 there too. Wide are 200 random scenes: stiffness from 1e2 to 1e9 N/m, damping from none to twice the critical
 one, far from the origin, growing forces, free destinations, bounce trains that settle, balls that slide along
-a stiff wall. In overdamped ones a ball creeps out of a stiff wall. Variants are ten problems each of the kinds P1, P2, P3 and P3b. Oblique are the atlas's.
+a wall. In overdamped ones a ball creeps out of a stiff wall. Variants are ten of each of P1, P2, P3 and P3b.
 
     PYTHONPATH=tests:scripts python -m support.reference.make_references [FILE ...]       # some minutes
 """

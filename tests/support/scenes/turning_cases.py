@@ -138,7 +138,7 @@ def turntable(v_0, mu=0.5, rate=3.0, way=(0.4, 0.1), velocity=(0.1, -0.2), stiff
 
 
 def bowl(v_0, stiffness, shape="sphere", angle=1.0, wide=0.5, mu=2.0, quarters=1):
-    """A ball rolls in a bowl, or across a lying tube, from rest at `angle`. To first order in v_0 and 1/p_n it
+    """A ball rolls in a bowl, or across a lying tube, from rest at `angle`. To order v_0 and 1/p_n it
     is at the lowest point after each odd quarter of 4 sqrt(7 rho/(5 g)) K(sin angle/2)."""
     rho = wide - RADIUS
     quarter = math.sqrt(7 * rho / (5 * G)) * float(ellipk(math.sin(angle / 2) ** 2))
