@@ -1097,7 +1097,7 @@ static const double SHARE_AT_RELEASE = 0.1;
  * accurate within as well, because outputs are read there. */
 static bool make_accurate_step(struct general *g, double limit, double left, long *budget)
 {
-    double release = (double)INFINITY; /* time to it by the last solved attempt [s] */
+    double release = (double)INFINITY; /* time to it, by the last solved attempt [s] */
     for (;;) {
         if (*budget <= 0) {
             return false;
@@ -1164,9 +1164,9 @@ static double missing_to(struct general *g, int event, double rate, double part)
     return rate < 0.0 ? -event_at(g, event, part) / rate : 0.0;
 }
 
-/* Returns the part of the step at which an event is that is close to the part `part`. The rate is right to a
- * few hundredths, so that each move leaves a few hundredths of the distance. The last move leaves only
- * rounding of the gap, so that bodies whose contact ends do not overlap. */
+/* Returns the part of the step at which an event lies that is close to `part`. The rate is right to a few
+ * hundredths, so that each move leaves a few hundredths of the distance. The last move leaves only rounding
+ * of the gap, so that bodies whose contact ends do not overlap. */
 static double part_of_event(struct general *g, int event, double rate, double part)
 {
     const struct radau_step *p = &g->step;

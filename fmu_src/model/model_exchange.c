@@ -9,7 +9,7 @@
 #include "scene/evaluate.h"
 #include "scene/transition.h"
 
-/* Returns the opposed motion (contact/friction.h) of a row of its spring or of its event indicator. */
+/* Returns the opposed motion (contact/friction.h) whose spring or event indicator has the row. */
 static int part_of(int row)
 {
     const bool rolls = row == ROW_contact_rolling_spring_state || row == ROW_contact_rolling_stick_indicator;

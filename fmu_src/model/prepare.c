@@ -77,8 +77,8 @@ static enum model_status check_axes(struct model *m, int contact)
                               names[1]);
 }
 
-/* Checks that a source that may touch a torus from within passes through its hole: where one touches all
- * round no point is the nearest. */
+/* Checks that a source that may touch a torus from within passes through its hole. One that touches all
+ * round the hole has no nearest point. */
 static enum model_status check_ring(struct model *m, int contact)
 {
     const struct scene_values *v = &m->state.values;
@@ -274,7 +274,7 @@ static void put_half_extents(const struct scene_values *v, int body, double radi
     }
 }
 
-/* A plane has no box. Where faces of two boxes coincide, that of the source counts. */
+/* A plane has no box. Where faces of two boxes coincide, the face of the source counts. */
 double model_diagonal(const struct scene_values *v, int contact, struct vec3 c, struct vec3 rate,
                       double *slope)
 {

@@ -33,7 +33,7 @@ struct variable {
     /* position of the value in struct scene_values [bytes], 0 for local variables; the value is a double for
      * VARIABLE_REAL, else an int32_t */
     uint32_t offset;
-    uint16_t row;          /* enum variable_row of scene.h; of a rate that of its state */
+    uint16_t row;          /* enum variable_row of scene.h; a rate has the row of its state */
     uint8_t type;          /* enum variable_type */
     uint8_t causality;     /* enum variable_causality */
     uint16_t element;      /* index of the body or contact, 0 for the rest */

@@ -251,7 +251,7 @@ static void sample_scene(const void *output, double clock, struct pair_sample *s
     met[o->contact] = true;
     /* a contact of bodies whose motion is given depends on no other */
     const bool alone = SCENE_CONTACTS > 1 && contact_is_prescribed(o->state->v, o->contact);
-    memcpy(&q, o->state, offsetof(struct scene_state, unfinished)); /* a sample does not look at that step */
+    memcpy(&q, o->state, offsetof(struct scene_state, unfinished)); /* a sample does not read that step */
     q.clock = clock;
     if (o->move) {
         o->move(o->mover, clock, &q);

@@ -322,7 +322,7 @@ void ode_begin(struct scene_ode *ode, const struct scene_instant *at, double rel
         if (SCENE_ANY_FRICTION && contact_rubs(v, j) && contact_transmits(ode->state, j)) {
             double events[ODE_EVENTS_EACH];
             turning_friction_events(at, j, tolerated, relative, absolute, offset, events);
-            for (int i = ODE_EVENT_STICK; i < ODE_EVENT_ZONE; ++i) { /* each starts above zero */
+            for (int i = ODE_EVENT_STICK; i < ODE_EVENT_ZONE; ++i) { /* each event starts above zero */
                 offset[i] += 2.0 * fmax(-events[i], 0.0);
             }
         }

@@ -228,7 +228,7 @@ struct scene_state {
      * scene_state_copy */
     struct turning_state turning;
     struct body_turn turn_origin[SCENE_BODIES]; /* at clock 0, of bodies that turn */
-    /* event_driven goes on with this step unless `integrator_fresh`; last, see sample_scene */
+    /* event_driven goes on with this step unless `integrator_fresh`. sample_scene needs it to be last. */
     struct unfinished_step unfinished;
 };
 

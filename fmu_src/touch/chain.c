@@ -499,8 +499,8 @@ static const double CHAIN_WORTH = 1e-9;
 /* In this part of a radian of the fastest mode a gap has one extremum at most that counts. */
 static const double CHAIN_PART = 0.5;
 
-/* Returns the depth raised to that at the end of a part, or at a top within, from `before`, the motion at its
- * start, and sets this to the motion at its end. */
+/* Returns the largest of `depth` and of the depths at the end and at a top of a part of the motion. `before`
+ * is the motion at the start of the part; the function sets it to the motion at the end. */
 static double raised_peak(double depth, struct gap_at *before, const struct chain *c, int row,
                           const struct chain_instant *end, double length)
 {

@@ -24,8 +24,8 @@ struct island {
 
 /* Makes one series of all contacts in touch over at most `longest` seconds, up to the first contact that
  * begins, ends or changes its regime. It is exact to a few roundings. The scene must not turn. Returns false
- * where there is none, or where no contact oscillates by more than `quiet` [m]: the general segment then
- * takes longer steps. */
+ * where no such series exists, or where no contact oscillates by more than `quiet` [m]: the general segment
+ * then takes longer steps. */
 bool island_make(struct island *s, const struct scene_instant *at, double longest, double quiet);
 
 /* Returns the cost of making it, in steps in closed form (integrator/phases.h). */

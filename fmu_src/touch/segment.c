@@ -153,8 +153,8 @@ static bool comes_back_at_once(const struct segment *p, double speed)
     return pressing > 0.0 && speed * speed <= 2.0 * pressing * GAP_HYSTERESIS * largest_size(p, PAIR_GAP);
 }
 
-/* Returns the release, at p->parting if that is known and the bodies do not come back at once, else found
- * from the gap. */
+/* Returns the release. It is at p->parting if that is known and the bodies do not come back at once; else the
+ * gap tells it. */
 static struct terminal_event parting(struct segment *p)
 {
     struct terminal_event terminal = {(double)INFINITY, {PAIR_GAP, -1.0, 0.0}, REGIME_APART, false};
