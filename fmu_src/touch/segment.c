@@ -838,6 +838,7 @@ static void peaks_note(struct segment *p, struct contact_peaks *peaks, double fr
  */
 struct torque_lever {
     int moments;                          /* how many moments of r count */
+    bool acts;                            /* whether there is a torque */
     struct vec3 c[SEPARATION_DEGREE + 1]; /* part of C by which the force has a torque, by powers of time */
     /* at skew cylinders the foot, linear in c, which shortens the destination's lever; else c */
     struct vec3 foot[SEPARATION_DEGREE + 1];
@@ -860,8 +861,9 @@ static struct torque_lever torque_lever_of(const struct contact_pair *pair)
         lever.foot[i] = contact_is_skew(shape)
                             ? contact_across_plane(pair->normal, contact_foot_along(shape, flown))
                             : *c;
-        const bool acts = !vec3_is_zero(*c) || !vec3_is_zero(lever.foot[i]);
-        lever.moments = i >= 2 && acts ? i - 1 : lever.moments;
+        const bool counts = !vec3_is_zero(*c) || !vec3_is_zero(lever.foot[i]);
+        lever.acts = lever.acts || counts;
+        lever.moments = i >= 2 && counts ? i - 1 : lever.moments;
     }
     return lever;
 }
@@ -893,6 +895,9 @@ static void add_torque_impulse(const struct contact_pair *pair, const struct tor
                                const struct pair_change *change, const struct vec3 moment[PAIR_MOMENTS],
                                struct contact_impulses *impulse)
 {
+    if (!lever->acts) { /* the powers of huge times would overflow for nothing */
+        return;
+    }
     struct vec3 sum = segment_lever(pair, change, moment, lever->c);
     if (contact_is_skew(&pair->shape)) {
         const struct vec3 of_foot = segment_lever(pair, change, moment, lever->foot);
