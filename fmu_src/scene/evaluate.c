@@ -1091,7 +1091,13 @@ enum contact_regime scene_regime(const struct scene_instant *at, int contact, bo
     const struct contact_law law = scene_contact_law(at->q, contact);
     const struct contact_shape shape = scene_contact_shape(at->q, contact);
     const struct contact_geometry *g = &at->geometry[contact];
-    return contact_regime_of(&law, touching ? fmin(g->gap, -DBL_MIN) : g->gap, singularity_rate(at, contact),
+    double rate;
+    if (SCENE_ANY_CURVED) {
+        rate = singularity_rate(at, contact);
+    } else {
+        rate = g->gap_rate;
+    }
+    return contact_regime_of(&law, touching ? fmin(g->gap, -DBL_MIN) : g->gap, rate,
                              touching || scene_beyond_ends(&shape, g) <= 0.0);
 }
 
