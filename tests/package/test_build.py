@@ -36,19 +36,16 @@ def test_a_new_scene_of_many_bodies_is_the_shipped_one_by_another_name(folder, s
 
 def test_a_scene_that_cannot_be_initialized_is_refused_with_the_sentence_of_the_fmu(folder, capsys):
     """Its steps are told on the way, with the scene, though nobody looks at a terminal."""
-    static = [
-        "--pinned",
-        "contact.friction_coefficient=0.5",
-        "--pinned",
-        "contact.static_friction_coefficient=0.1",
-    ]
-    new(["Slips", "--shape", "plane", "--pinned", "contact.friction=elastic", *static])
-    with pytest.raises(UserError, match=r"contradicts contact\.friction_coefficient") as refused:
-        build(["Slips.toml", "--fmi", "3"])
-    assert "Slips.toml: this scene cannot run: " in str(refused.value)
-    assert not (folder / "Slips.fmu").exists()
+    new(["Fills", "--shape", "torus"])
+    scene = folder / "Fills.toml"
+    text = scene.read_text().replace('"ball.radius" = 0.1', '"ball.radius" = 0.6')
+    scene.write_text(text.replace("[1.0, 0.0, 1.0]", "[1.0, 0.0, 3.0]"))
+    with pytest.raises(UserError, match=r"contradicts ring\.ring_radius") as refused:
+        build(["Fills.toml", "--fmi", "3"])
+    assert "Fills.toml: this scene cannot run: " in str(refused.value)
+    assert not (folder / "Fills.fmu").exists()
     told = capsys.readouterr().err.splitlines()
-    assert told[:2] == ["Slips: configuring", "Slips: compiling"] and told[-1] == "Slips: initializing"
+    assert told[:2] == ["Fills: configuring", "Fills: compiling"] and told[-1] == "Fills: initializing"
     assert len([line for line in told if "steps done" in line]) > 1
 
 
