@@ -412,8 +412,9 @@ bool pair_oscillation_make(struct pair_oscillation *p, const struct contact_pair
     p->free = has_spring ? free_oscillation_of(dashpot / p->rate, y, y_rate)
                          : free_oscillation_of_dashpot(y, y_rate, p->load);
     p->omega_d = p->free.omega_d < LOWEST_FREQUENCY ? 0.0 : p->free.omega_d;
-    p->amplitude = oscillator_envelope_of(&p->free.oscillator, y, y_rate).amplitude;
-    return !has_spring || fabs(p->equilibrium) + p->amplitude < largest_gap(from);
+    p->amplitude = has_spring ? oscillator_envelope_of(&p->free.oscillator, y, y_rate).amplitude
+                              : fabs(y) + fabs(p->free.by_faster); /* a weak dashpot's parts nearly cancel */
+    return fabs(p->equilibrium) + p->amplitude < largest_gap(from);
 }
 
 /* Whether y or y' has decayed so far that its direct value is more accurate than the start value plus the

@@ -132,12 +132,12 @@ struct pair_oscillation {
     struct free_oscillation free; /* y, y' at the start [m] */
     double omega_d;               /* radians of y per s: sqrt(1 - damping_rate^2 / 4); 0 where it decays */
     double equilibrium;           /* gap at rest under the load; 0 without a spring [m] */
-    double amplitude;             /* bound of |y| where there is a spring [m] */
+    double amplitude;             /* bound of |y|, without the drift [m] */
 };
 
-/* Makes the oscillation of a pair that moves head-on (from->is_head_on). Returns false where an oscillation
- * might reach the centre of solid bodies; contact inside a hollow body ends before the centre. Without a
- * spring the bodies may drift to the centre. */
+/* Makes the oscillation of a pair that moves head-on (from->is_head_on). Returns false where the motion
+ * without its drift might reach the centre of solid bodies; contact inside a hollow body ends before the
+ * centre. Without a spring the bodies may drift to the centre. */
 bool pair_oscillation_make(struct pair_oscillation *p, const struct contact_pair *from);
 
 /* Whether an event function stays positive for all s >= 0. */
