@@ -61,7 +61,7 @@ int separation_path_planes(const struct separation_path *path, double horizon, s
     return count;
 }
 
-/* Returns the motion of a direction, of unit length now, that a body carries along. */
+/* Returns how a direction turns that is fixed in a body; `direction` is the unit vector at the present. */
 static struct axis_motion motion_with(const struct scene_instant *at, double clock, int body,
                                       struct vec3 direction)
 {

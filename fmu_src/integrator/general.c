@@ -329,7 +329,7 @@ static const struct radau_stages *stages_of_long_step(const struct general *g, d
     return spans ? &radau_stages_12 : &radau_stages_8;
 }
 
-/* Returns the length of an accurate step of these stages, divided by that of a step of eight or twelve. */
+/* Returns how long an accurate step with these stages is, as a part of one with eight or twelve stages. */
 static double reach_of(const struct radau_stages *stages)
 {
     return stages->stages == 4 ? REACH_OF_FOUR : 1.0;

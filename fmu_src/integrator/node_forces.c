@@ -856,11 +856,12 @@ CONTACT_FLATTEN static void add_pending(struct iteration *it)
     follow_springs(it, false);
 }
 
-/* The bodies that two contacts share: the sum of their 1/m, and of those that turn 1/I_1 and the ends of both
- * contacts at which they are. 1/m and 1/I_1 are negative where the ends differ. */
+/* The bodies that two contacts share. `by_mass` is the sum of their 1/m. Each shared body that turns has its
+ * 1/I_1 in `by_inertia`, and is at `end` of one contact and at `other_end` of the other one. 1/m and 1/I_1
+ * are negative where the two ends differ. */
 struct shared_bodies {
     double by_mass;
-    int count; /* of those that turn */
+    int count; /* of shared bodies that turn */
     int end[4], other_end[4];
     double by_inertia[4];
 };

@@ -266,7 +266,7 @@ CONTACT_FLATTEN static double sweep(struct collocation *p)
     }
     const double by_load = respond(p, load, softening);
     if (p->from.head_on) {
-        /* the load does not depend on x under the linear law, but an overdamped X is iterated */
+        /* under the linear law one sweep is exact, unless x is overdamped and found by iteration */
         return p->kind != COLLOCATION_OVERDAMPED && p->from.hertz == 0.0 ? 0.0 : by_load;
     }
     const double none[COLLOCATION_CHANGES] = {0.0};

@@ -388,8 +388,8 @@ static struct travel travel_to(const struct slide *f, double s, const struct pai
     return way;
 }
 
-/* Returns what friction adds to the integral of c x F, the torque impulse on the destination about its centre
- * and the source's arm. Friction moves c by q, so that with the flight C and the motion r without friction
+/* Returns what friction adds to the integral of c x F, the impulse of the torque on the destination. Friction
+ * moves c by q, so that with the flight C and the motion r without friction
  *
  *   integral of c x q'' + q x r'' = integral of C x q'' + [r x q' + q x r'] */
 static struct vec3 lever_of_friction(const struct slide *f, const struct travel *way,

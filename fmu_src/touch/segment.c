@@ -729,8 +729,8 @@ static double highest_between(const struct search *f, const struct dense_output 
     return middle;
 }
 
-/* Searches about the highest place between each two samples of the upper bound, where the bound exceeds the
- * largest value found, since a decaying oscillation may not reach its envelope. */
+/* Searches for the peak of an oscillation about each place where the upper bound is highest between two of
+ * its samples and exceeds the largest value found. A decaying oscillation may not reach the bound. */
 static void search_swinging(struct search *f, const struct dense_output *bound)
 {
     for (int i = 0; i + 1 < bound->count; ++i) {
