@@ -39,8 +39,8 @@ ctest --preset default -L unit --no-tests=error </dev/null || unit=$?
 
 say "FMU, physics, property, generator and architecture tests"
 rest=0
-# A file's tests stay in one process, which makes the file's fixtures once.
-"$python" -m pytest -n 2 --dist loadscope "${options[@]}" "${paths[@]}" </dev/null || rest=$?
+# A file's tests stay in one process, which makes the file's fixtures once; tests/conftest.py puts files in order.
+"$python" -m pytest -n 2 --dist loadscope --no-loadscope-reorder "${options[@]}" "${paths[@]}" </dev/null || rest=$?
 
 if ((unit != 0)); then
     printf 'ctest failed with status %d\n' "$unit" >&2

@@ -2,6 +2,8 @@
 
 import contextlib
 import shutil
+import sys
+from collections import Counter
 
 import lark
 import pytest
@@ -10,6 +12,17 @@ from contact_fmus.fmu.contact_fmu import ContactFmu
 from contact_fmus.fmu.files import fmu_file
 from support import scene_fmus
 from support.checks import DASHPOTS, FMU, METHODS
+from support.sources import BUILD, ROOT
+
+# Modules whose builds, checkers and studies take long, by however few tests
+LONG = "style determinism report atlas examples layers tutorial animation wheel runs cluster build crash"
+LONG = {f"test_{name}" for name in (*LONG.split(), "threads", "both_versions", "extra_scenes", "scene_files")}
+
+
+def pytest_collection_modifyitems(items):
+    """What takes long comes first, then the modules of most tests: at the end no worker waits for another."""
+    count = Counter(item.path for item in items)
+    items.sort(key=lambda item: (item.path.stem not in LONG, -count[item.path]))
 
 
 @pytest.fixture(scope="session")
@@ -61,13 +74,25 @@ def opened_several(built):
         yield get
 
 
+def program(folder, name, text):
+    file = folder / name
+    file.write_text(f"#!/bin/sh\n{text}\n")
+    file.chmod(0o755)
+    return str(file)
+
+
 @pytest.fixture(scope="session")
 def quick_compiler(tmp_path_factory):
     """gcc that optimizes nothing, for FMUs that need not be fast"""
-    file = tmp_path_factory.mktemp("compiler") / "gcc"
-    file.write_text(f'#!/bin/sh\nexec {shutil.which("gcc")} "$@" -O0\n')
-    file.chmod(0o755)
-    return str(file)
+    return program(tmp_path_factory.mktemp("compiler"), "gcc", f'exec {shutil.which("gcc")} "$@" -O0')
+
+
+@pytest.fixture(scope="session")
+def quick_python(tmp_path_factory):
+    """Python for CMake that takes what the generator makes of shipped scenes from the build under test"""
+    take = f'mkdir -p "$6" && exec cp "{BUILD}/scenes/$(basename "$4" .toml)"/scene* "$6"'
+    text = f'case $4 in "{ROOT}"/modelDescription/scenes/*) {take} ;; esac\nexec {sys.executable} "$@"'
+    return program(tmp_path_factory.mktemp("python"), "python3", text)
 
 
 @pytest.fixture(scope="session")

@@ -3,7 +3,7 @@
 import pytest
 
 from support import sources
-from support.graph import circle, file_graph, object_symbols, upward
+from support.graph import circle, file_graph, object_symbols, symbols, upward
 from support.sources import ADAPTERS, HEADERS, LAYERS, SCENES, SOURCE, UNITS, includes, label, layer
 
 C_LIBRARY = {"assert.h", "float.h", "limits.h", "math.h", "stdarg.h", "stdbool.h", "stddef.h", "stdint.h"}
@@ -73,7 +73,7 @@ def test_every_header_compiles_alone(tmp_path, compiler, scene):
     assert {name: text for name, text in said.items() if text} == {}
 
 
-# For test_code.py gcc compiles the units of the other scenes, with the same warnings.
+# For their symbols gcc compiles the units of the other scenes, with the same warnings.
 @pytest.mark.parametrize("compiler, scene", [("gcc", "PinnedEvent"), *(("clang", scene) for scene in SCENES)])
 def test_every_unit_compiles_by_itself(tmp_path, compiler, scene):
     """The FMUs compile all of it as one unit, which would hide a missing include."""
@@ -98,6 +98,16 @@ def test_a_scene_links_without_optimization(tmp_path, scene):
 #
 # Includes tell less: two files may include each other's headers' headers without needing each other, and a
 # prototype may be declared where no include shows it.
+
+
+@pytest.mark.parametrize("scene", ["SphereCylinder", "ForceElement"])
+def test_there_is_no_global_mutable_state(scene):
+    """No symbol in .data or .bss"""
+    found = {
+        unit: [row for row in symbols(unit, scene) if row[-2] in "dDbBgGsSC"]
+        for unit in sources.units_of(scene)
+    }
+    assert {unit: rows for unit, rows in found.items() if rows} == {}
 
 
 # The scene that has all files but the one in which a scene's motion is given, and each adapter

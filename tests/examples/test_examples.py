@@ -5,7 +5,6 @@ import importlib.util
 import math
 import os
 import re
-import subprocess
 import sys
 
 import nbformat
@@ -16,7 +15,7 @@ from nbclient import NotebookClient
 from contact_fmus.fmu.contact_fmu import ContactFmu
 from contact_fmus.fmu.files import fmu_file, fmus_folder
 from support.checks import check_close
-from support.programs import PATIENCE, environment, finished, python
+from support.programs import PATIENCE, checked, environment, finished, python
 from support.reference.turning import follow
 from support.sources import ROOT
 
@@ -129,8 +128,7 @@ def test_the_notebook_runs(monkeypatch):
 def test_the_sweep_finds_the_restitution_of_a_damped_oscillator(tmp_path):
     """Unclamped, a contact lasts half a turn: exp(-pi z / sqrt(1 - z^2)) is left, z the damping ratio"""
     study = EXAMPLES / "sweep" / "restitution.toml"
-    command = python("contact_fmus", "sweep", study, "-o", tmp_path, "--workers", 1)
-    subprocess.run(command, check=True, timeout=PATIENCE, env=environment())
+    checked(python("contact_fmus", "sweep", study, "-o", tmp_path, "--workers", 1), environment=environment())
     text = said("sweep/read_results.py", tmp_path / "results.parquet", folder=tmp_path)
     names, _, *rows = (line.split() for line in text.splitlines())
     column = names.index("unclamped")
@@ -144,21 +142,19 @@ def test_the_sweep_finds_the_restitution_of_a_damped_oscillator(tmp_path):
 
 
 @pytest.fixture(scope="module")
-def marble(tmp_path_factory):
+def marble(tmp_path_factory, quick_python):
     """The FMU of the scene of one's own, built as its script says but sooner, in a folder of its own"""
     folder = tmp_path_factory.mktemp("marble")
     scene = EXAMPLES / "own_scene" / "MarbleOnPipe.toml"
     configure = ["cmake", "-S", str(ROOT), "-B", str(folder), "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Debug"]
     configure += ["-DCMAKE_C_FLAGS_DEBUG=-O0", "-DCONTACT_FMI3=OFF"]
     configure += [f"-DCONTACT_EXTRA_SCENES={scene}", "-DBUILD_TESTING=OFF"]
-    configure += [f"-DPython3_EXECUTABLE={sys.executable}"]
-    environment = {name: value for name, value in os.environ.items() if name != "LD_PRELOAD"}
+    configure += [f"-DPython3_EXECUTABLE={quick_python}"]
     gone = folder / "fmus" / "Gone.fmu"
     gone.parent.mkdir()
     gone.write_text("of a scene that the build had before")
     for command in (configure, ["cmake", "--build", str(folder), "--target", "MarbleOnPipe_fmu"]):
-        made = finished(command, env=environment)
-        assert made.returncode == 0, made.stdout + made.stderr
+        checked(command, environment={"LD_PRELOAD": ""})
     assert not gone.exists(), "the FMU of a scene that is gone"
     return folder / "fmus" / "MarbleOnPipe.fmu"
 

@@ -3,13 +3,12 @@
 import csv
 import os
 import re
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
-from support.programs import PATIENCE, environment
+from support.programs import checked, environment
 from support.sources import ROOT
 
 PAGE = (ROOT / "docs" / "tutorial.md").read_text(encoding="utf-8")
@@ -37,6 +36,7 @@ def said(tmp_path_factory, quick_compiler):
     folder = tmp_path_factory.mktemp("tutorial")
     printed = {}
     path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
+    around = environment(PATH=path, CC=quick_compiler)
     for language, name, text in BLOCK.findall(PAGE):
         if name:
             (folder / name).write_text(text, encoding="utf-8")
@@ -45,12 +45,7 @@ def said(tmp_path_factory, quick_compiler):
             file.write_text(changed(file.read_text(encoding="utf-8"), text), encoding="utf-8")
         elif language == "sh":
             for line in text.splitlines():
-                done = subprocess.run(
-                    line, shell=True, cwd=folder, env=environment(PATH=path, CC=quick_compiler),
-                    capture_output=True, text=True, timeout=PATIENCE,
-                )  # fmt: skip
-                assert done.returncode == 0, f"{line}\n{done.stdout}\n{done.stderr}"
-                printed[line.split()[1]] = done.stdout
+                printed[line.split()[1]] = checked(["sh", "-c", line], folder, environment=around)
     return printed, folder
 
 

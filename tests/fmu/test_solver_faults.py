@@ -7,7 +7,6 @@ list is exact, so that a version of SUNDIALS that checks more makes this test fa
 import json
 import os
 import shutil
-import subprocess
 from pathlib import Path
 
 import pytest
@@ -32,7 +31,7 @@ def shim(tmp_path_factory) -> Path:
     library = tmp_path_factory.mktemp("shim") / "failing_malloc.so"
     source = HERE / "failing_malloc.c"
     flags = ["-std=c11", "-D_GNU_SOURCE", "-Wall", "-Wextra", "-Werror", "-shared", "-fPIC"]
-    subprocess.run([*compiler.split(), *flags, str(source), "-o", str(library), "-ldl"], check=True)
+    finished([*compiler.split(), *flags, str(source), "-o", str(library), "-ldl"], check=True)
     return library
 
 

@@ -3,7 +3,6 @@
 import pickle
 import random
 import struct
-import subprocess
 from ctypes import byref
 
 import pytest
@@ -12,7 +11,7 @@ from support.fmi2 import raw, runs
 from support.fmi2.raw import ERROR, OK
 from support.fmi2.runs import RUNS, begin, digest, go_on
 from support.fmi2.states import HEADER_SIZE, forge, header
-from support.programs import PATIENCE, environment, python
+from support.programs import environment, finished, python
 
 
 @pytest.fixture(params=RUNS)
@@ -48,9 +47,8 @@ def test_another_process_goes_on_with_the_same_bits():
         with bring(run) as instance:
             saved[name] = instance.save()
             went_on[name] = digest(go_on(instance, run, run.saved_at))
-    command = python("support.fmi2.runs")
-    given = {"input": pickle.dumps(saved), "timeout": PATIENCE, "env": environment()}
-    assert pickle.loads(subprocess.run(command, capture_output=True, check=True, **given).stdout) == went_on
+    given = {"input": pickle.dumps(saved), "text": False, "env": environment()}
+    assert pickle.loads(finished(python("support.fmi2.runs"), check=True, **given).stdout) == went_on
 
 
 def test_saving_twice_gives_the_same_bytes(run):

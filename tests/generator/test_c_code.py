@@ -4,7 +4,6 @@ import ctypes
 import functools
 import re
 import shutil
-import subprocess
 import sys
 
 import numpy as np
@@ -12,7 +11,7 @@ import pytest
 from numpy.polynomial import chebyshev, legendre
 
 from support.generator.generated import ROOT, SCENES, describe, folder_of, generate, scene_file
-from support.programs import finished
+from support.programs import checked, finished
 
 WARNINGS = ["-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Wdouble-promotion"]
 WARNINGS += ["-Wmissing-prototypes", "-Werror"]
@@ -68,8 +67,7 @@ class Variable(ctypes.Structure):
 
 def compiled(compiler, folder, source, output, *options):
     command = [compiler, *WARNINGS, *options, "-I", ROOT / "fmu_src", "-I", folder, source, "-o", output]
-    done = finished(command)
-    assert done.returncode == 0, done.stderr
+    checked(command)
 
 
 @pytest.fixture(scope="module")
@@ -224,7 +222,7 @@ TABLE = re.compile(r"static const double (\w+)\[\d+\] = \{([^}]*)\}")
 @pytest.fixture(scope="module")
 def tables(tmp_path_factory):
     file = tmp_path_factory.mktemp("nodes") / "node_tables.c"
-    subprocess.run([sys.executable, ROOT / "cmake" / "make_nodes.py", file], check=True)
+    checked([sys.executable, ROOT / "cmake" / "make_nodes.py", file])
     return {name: np.array(eval(f"[{values}]")) for name, values in TABLE.findall(file.read_text())}
 
 

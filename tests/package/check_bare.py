@@ -4,7 +4,6 @@ From `pip install` to an animation of a new scene, with gcc, then with zig. It t
 the network, so that `scripts/test.sh` does not run it."""
 
 import shutil
-import subprocess
 from pathlib import Path
 
 import pytest
@@ -27,10 +26,10 @@ def bare(tmp_path_factory, wheel):
             shutil.copy(file, root / file[1:])
     shutil.copy(wheel, root)
     for folder in ("dev", "proc"):  # zig asks /proc where it is
-        subprocess.run(["mount", "--bind", f"/{folder}", root / folder], check=True)
+        finished(["mount", "--bind", f"/{folder}", root / folder], check=True)
     yield root
     for folder in ("dev", "proc"):
-        subprocess.run(["umount", root / folder], check=True)
+        finished(["umount", root / folder], check=True)
     shutil.rmtree(root)
 
 

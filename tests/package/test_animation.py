@@ -5,7 +5,6 @@ and the environment variable CONTACT_SCREENSHOTS names a folder that keeps the p
 import json
 import os
 import shutil
-import subprocess
 import sys
 import zipfile
 from pathlib import Path
@@ -46,7 +45,7 @@ def test_a_clone_without_three_js_makes_it(tmp_path):
 
 def test_the_source_archive_carries_three_js(far_from_clone, tmp_path):
     command = [sys.executable, "-m", "build", "--sdist", "--no-isolation", "--outdir", tmp_path, ROOT]
-    subprocess.run(command, check=True, capture_output=True, env=far_from_clone)
+    finished(command, check=True, env=far_from_clone)
     (file,) = tmp_path.glob("*.tar.gz")
     names = finished(["tar", "tzf", file], check=True).stdout
     assert f"/scripts/{BUNDLE}\n" in names and "/scripts/build_backend.py\n" in names

@@ -2,7 +2,6 @@
 
 import json
 import re
-import subprocess
 import sys
 import zipfile
 
@@ -201,21 +200,6 @@ def test_a_refused_step_ends_a_run_with_status_3_and_keeps_what_there_is(ask, tm
 def test_a_full_disk_is_named_with_status_3(ask):
     status, told, _ = ask("run", "SphereSphere", "--stop", "0.01", "--csv", "/dev/full")
     assert (status, one_sentence(told)) == (3, True) and "/dev/full: No space left" in told, told
-
-
-def test_a_reader_that_goes_away_is_no_fault(installed, far_from_clone):
-    arguments = [installed / "contact-fmus", "run", "SphereSphere", "--csv", "/dev/stdout"]
-    streams = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
-    with subprocess.Popen(arguments, env=far_from_clone, **streams) as run:
-        run.stdout.readline()
-        run.stdout.close()
-        assert run.stderr.read() == b""
-    assert run.returncode == 141
-
-
-def test_without_fmus_the_message_says_what_to_do(command, tmp_path):
-    run = command("run", "SphereSphere", CONTACT_FMUS=str(tmp_path))
-    assert run.returncode == 2 and "none is built" in run.stderr
 
 
 def test_a_damaged_copy_of_a_shipped_fmu_is_found_out(ask, tmp_path):

@@ -14,7 +14,7 @@ from contact_fmus.fmu.contact_fmu import ContactFmu, FmuError
 from contact_fmus.fmu.files import fmu_file, fmus_folder
 from contact_fmus.importers.command import AGREE, IMPORTERS, Given, installed, tried
 from contact_fmus.results import Result, notes_file
-from support.programs import finished
+from support.programs import checked, environment
 from support.sources import ROOT
 from support.sweeps import read, run_here, write_study
 
@@ -219,12 +219,11 @@ ALWAYS = {"fmpy", "libcosim"}  # are in requirements.txt; others of Python are t
 
 
 @pytest.fixture(scope="module")
-def with_integers(tmp_path_factory):
+def with_integers(tmp_path_factory, quick_compiler):
     folder = tmp_path_factory.mktemp("integer")
     scene = ROOT / "modelDescription" / "scenes" / f"{SCENE}.toml"
     command = [sys.executable, "-m", "contact_fmus", "build", str(scene), "--choices", "integer"]
-    run = finished([*command, "-o", str(folder)])
-    assert run.returncode == 0, run.stdout + run.stderr
+    checked([*command, "-o", folder], environment=environment(CC=quick_compiler))
     return folder / f"{SCENE}.fmu"
 
 

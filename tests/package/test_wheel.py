@@ -3,6 +3,7 @@
 import importlib
 import json
 import re
+import subprocess
 import sys
 import tomllib
 import zipfile
@@ -157,6 +158,21 @@ def test_the_wheel_carries_the_fmus_of_fmi_3_and_what_bench_runs(installed, comm
     assert two == three
     text = "from contact_fmus.fmu.host import host_file; print(host_file().is_file())"
     assert finished([installed / "python", "-c", text], check=True).stdout == "True\n"
+
+
+def test_a_reader_that_goes_away_is_no_fault(installed, far_from_clone):
+    arguments = [installed / "contact-fmus", "run", "SphereSphere", "--csv", "/dev/stdout"]
+    streams = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    with subprocess.Popen(arguments, env=far_from_clone, **streams) as run:
+        run.stdout.readline()
+        run.stdout.close()
+        assert run.stderr.read() == b""
+    assert run.returncode == 141
+
+
+def test_without_fmus_the_message_says_what_to_do(command, tmp_path):
+    run = command("run", "SphereSphere", CONTACT_FMUS=str(tmp_path))
+    assert run.returncode == 2 and "none is built" in run.stderr
 
 
 # recipe/recipe.yaml says of the conda package what pyproject.toml and the build say

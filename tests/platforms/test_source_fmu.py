@@ -11,7 +11,7 @@ import pytest
 from support import portable_host
 from support.fmi2.elf import exported, needed
 from support.portable_host import HEADERS, SOURCE, motion
-from support.programs import finished
+from support.programs import checked, finished
 from support.release import cases_of, few_cases_of
 from support.scenes.benchmarks import BENCHMARKS
 from support.sources import BUILD, ROOT
@@ -261,8 +261,7 @@ def test_fmpy_compiles_the_sources(unpacked, tmp_path):
             place = file.relative_to(folder)
             if file.is_file() and place.parts[0] != "binaries":
                 archive.write(file, place)
-    run = finished([sys.executable, "-m", "fmpy", "compile", str(fmu)])
-    assert run.returncode == 0, run.stdout + run.stderr
+    checked([sys.executable, "-m", "fmpy", "compile", fmu])
     made = fmpy.simulate_fmu(str(fmu), stop_time=0.1, output_interval=0.01)
     inside = fmpy.simulate_fmu(str(BUILD / "fmus" / "ForceElement.fmu"), stop_time=0.1, output_interval=0.01)
     assert made.tobytes() == inside.tobytes()

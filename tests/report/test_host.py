@@ -1,7 +1,6 @@
 """fmu_host measures what it says: the same bits as fmpy, all runs told, clear refusals, no leak."""
 
 import os
-import subprocess
 
 import pytest
 
@@ -62,7 +61,7 @@ def squares(tmp_path, monkeypatch):
         "{\n    static long asked;\n    (void)id;\n    *time = (struct timespec){asked * asked, 0};\n"
         "    asked++;\n    return 0;\n}\n"
     )
-    subprocess.run(["gcc", "-shared", "-fPIC", source, "-o", library], check=True)
+    finished(["gcc", "-shared", "-fPIC", source, "-o", library], check=True)
     monkeypatch.setenv("LD_PRELOAD", " ".join(filter(None, [os.environ.get("LD_PRELOAD"), str(library)])))
 
 
@@ -157,7 +156,7 @@ def checked_host(tmp_path_factory):
     program = tmp_path_factory.mktemp("host") / "fmu_host"
     command = ["gcc", "-std=c11", "-D_POSIX_C_SOURCE=200809L", "-g", "-fsanitize=address,undefined"]
     command += ["-isystem", str(fmi_headers()), *map(str, HOST_SOURCES), "-o", str(program), "-lm", "-ldl"]
-    subprocess.run(command, check=True)
+    finished(command, check=True)
     return program
 
 
@@ -184,6 +183,6 @@ def test_the_sanitized_host_would_tell_of_a_leak(checked_host, tmp_path):
     source = tmp_path / "leak.c"
     source.write_text("#include <stdlib.h>\nint main(void)\n{\n    return malloc(9) == (void *)1;\n}\n")
     program = tmp_path / "leak"
-    subprocess.run(["gcc", "-O0", "-fsanitize=address", str(source), "-o", str(program)], check=True)
+    finished(["gcc", "-O0", "-fsanitize=address", str(source), "-o", str(program)], check=True)
     run = finished([program], env=without_sanitizer())
     assert run.returncode != 0 and "LeakSanitizer" in run.stderr

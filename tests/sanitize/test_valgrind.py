@@ -1,8 +1,5 @@
 """valgrind finds no wrong access, no unset value and no leak in an FMU that the C host runs."""
 
-import shutil
-import subprocess
-
 import pytest
 
 from contact_fmus.fmu.host import Case, case_arguments, host_file
@@ -39,7 +36,7 @@ def test_valgrind_would_tell(tmp_path):
         "{\n    (void)names;\n    char *lost = malloc(9);\n    if (lost[count] == 3) {\n"
         "        return 1;\n    }\n    lost = 0;\n    return 0;\n}\n"
     )
-    subprocess.run([shutil.which("gcc"), "-O0", "-g", str(source), "-o", str(program)], check=True)
+    finished(["gcc", "-O0", "-g", source, "-o", program], check=True)
     run = checked(program)
     assert run.returncode == 99
     assert "uninitialised value" in run.stderr and "definitely lost" in run.stderr

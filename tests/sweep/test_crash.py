@@ -1,11 +1,11 @@
 """An FMU that ends the process it runs in: that run has a row that says so, and the others have theirs"""
 
-import subprocess
 import zipfile
 
 import pyarrow.parquet as pq
 import pytest
 
+from support.programs import checked
 from support.sources import fmi_headers
 from support.sweeps import sweep
 
@@ -55,8 +55,7 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean n)
 def crashing(tmp_path):
     code, library, made = (tmp_path / f"crashing.{kind}" for kind in ("c", "so", "fmu"))
     code.write_text(CODE)
-    command = ["gcc", "-shared", "-fPIC", "-o", library, "-isystem", fmi_headers(), code]
-    subprocess.run(command, check=True)
+    checked(["gcc", "-shared", "-fPIC", "-o", library, "-isystem", fmi_headers(), code])
     with zipfile.ZipFile(made, "w") as archive:
         archive.writestr("modelDescription.xml", DESCRIPTION)
         archive.write(library, "binaries/linux64/Crashing.so")

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from contact_fmus.fmu.files import fmus_folder
 from support.fmi2 import raw
-from support.programs import finished
+from support.programs import checked
 
 BUILD = Path(os.environ.get("CONTACT_BUILD") or fmus_folder().parent).resolve()
 # Both compilers optimize whole programs in ways of their own; without that the code is one unit all the same.
@@ -17,9 +17,7 @@ LEFT_OUT = ("-flto", "-fno-fat-lto", "-fwhole-program", "-O", "-M", "-g")
 
 def _commands(scene: str) -> tuple[list[str], list[str]]:
     """Returns how ninja compiles the scene's one unit, and how it links the library."""
-    told = finished(
-        ["ninja", "-C", str(BUILD), "-t", "commands", f"libraries/{scene}.so"], check=True
-    ).stdout.splitlines()
+    told = checked(["ninja", "-C", BUILD, "-t", "commands", f"libraries/{scene}.so"]).splitlines()
     link = next(line for line in told if f"-o libraries/{scene}.so " in line)
     unit = next(word for word in shlex.split(link) if word.endswith(".c.o"))
     return _plain(next(line for line in told if f"-o {unit} " in line)), _plain(link)
@@ -45,6 +43,5 @@ def build(scene: str, compiler: str, flags: Iterable[str], folder: Path) -> raw.
         [compiler, *flags, *compile_, "-w", "-o", str(unit)],
         [compiler, *flags, *link, "-o", str(library)],
     ):
-        done = finished(command, cwd=BUILD)
-        assert done.returncode == 0, done.stderr
+        checked(command, cwd=BUILD)
     return raw.load(scene).with_library(library)
