@@ -263,22 +263,11 @@ double restitution_hunt_crossley(double restitution, enum dashpot dashpot)
                                             : first_met(dissipates_too_little, e, 1.0 / e);
 }
 
-/* Returns the factors in force in a regime. */
-static struct contact_coefficients factors_in(const struct contact_law *law, enum contact_regime regime)
+struct contact_coefficients contact_factors_of(const struct contact_law *law, enum contact_regime regime)
 {
     const bool pushes = regime == REGIME_COMPRESSION || regime == REGIME_RESTITUTION;
     return (struct contact_coefficients){pushes ? law->stiffness : 0.0,
                                          regime == REGIME_COMPRESSION ? law->damping : 0.0};
-}
-
-struct contact_coefficients contact_coefficients_of(const struct contact_law *law, enum contact_regime regime)
-{
-    return contact_is_hertz(law) ? (struct contact_coefficients){0.0, 0.0} : factors_in(law, regime);
-}
-
-struct contact_coefficients contact_factors_of(const struct contact_law *law)
-{
-    return (struct contact_coefficients){law->stiffness, law->damping};
 }
 
 enum contact_regime contact_regime_of(const struct contact_law *law, double gap, double gap_rate, bool within)
@@ -292,7 +281,7 @@ enum contact_regime contact_regime_of(const struct contact_law *law, double gap,
 
 double contact_force(const struct contact_law *law, enum contact_regime regime, double gap, double gap_rate)
 {
-    const struct contact_coefficients at = factors_in(law, regime);
+    const struct contact_coefficients at = contact_factors_of(law, regime);
     if (at.k == 0.0 && at.c == 0.0) {
         return 0.0;
     }
@@ -310,7 +299,7 @@ double contact_normal_force_of(const struct contact_law *law, enum contact_regim
 struct contact_slopes contact_force_slopes(const struct contact_law *law, enum contact_regime regime,
                                            double gap, double gap_rate)
 {
-    const struct contact_coefficients at = factors_in(law, regime);
+    const struct contact_coefficients at = contact_factors_of(law, regime);
     if (!contact_is_hertz(law)) {
         return (struct contact_slopes){-at.k, -at.c};
     }
@@ -323,8 +312,8 @@ struct contact_slopes contact_force_slopes(const struct contact_law *law, enum c
 double contact_force_term(const struct contact_law *law, const struct contact_law *change,
                           enum contact_regime regime, const double *gap, const double *gap_rate, int order)
 {
-    const struct contact_coefficients at = factors_in(law, regime);
-    const struct contact_coefficients slope = factors_in(change, regime);
+    const struct contact_coefficients at = contact_factors_of(law, regime);
+    const struct contact_coefficients slope = contact_factors_of(change, regime);
     double spring[TAYLOR_TERMS];
     if (!contact_is_hertz(law)) {
         const double force = contact_linear_force(at, gap[order], gap_rate[order]);

@@ -78,17 +78,11 @@ struct contact_coefficients {
     double k, c; /* F_n = -(k g + c g') [N/m, N s/m] */
 };
 
-/* Returns the constants k and c of the linear law in a regime; both are zero for Hertz's law. The constants
- * serve closed forms that need a linear law, and the reporting of p_n and p_nv; code that needs only forces
- * and events calls the functions below. */
-struct contact_coefficients contact_coefficients_of(const struct contact_law *law,
-                                                    enum contact_regime regime);
+/* Returns the factors in force in a regime: p_n and p_nv of the linear law, k_h and chi of Hertz's law. */
+struct contact_coefficients contact_factors_of(const struct contact_law *law, enum contact_regime regime);
 
 /* Returns -(k g + c g') [N]. No other function contains this formula. */
 double contact_linear_force(struct contact_coefficients linear, double gap, double gap_rate);
-
-/* Returns the factors of the law: p_n and p_nv of the linear law, k_h and chi of Hertz's law. */
-struct contact_coefficients contact_factors_of(const struct contact_law *law);
 
 /* Returns the regime at g [m] and g' [m/s]; `within`: the source is between the destination's end planes. */
 enum contact_regime contact_regime_of(const struct contact_law *law, double gap, double gap_rate,

@@ -68,11 +68,6 @@ bool contact_turns(const struct contact_shape *shape, const struct contact_geome
     return !at->degenerate && !contact_is_plane(shape);
 }
 
-bool contact_is_near_axis(struct vec3 across, double axial)
-{
-    return fabs(across.x) + fabs(across.y) + fabs(across.z) < 1e-8 * fabs(axial);
-}
-
 /* Returns the unit vector across the axis e nearest to the negative coordinate axis least aligned with e. */
 static struct vec3 across_axis(struct vec3 e)
 {
@@ -87,15 +82,16 @@ static struct vec3 across_axis(struct vec3 e)
 }
 
 /* Returns the part of c across a cylinder's axis; `axial` is c.e_d. Near the axis the result of one
- * projection is mostly rounding, which may point along the axis; a second projection removes that part. The
- * result is zero where too little is left; c then counts as on the axis. */
+ * projection, of which less than about half of the digits is left, may point along the axis by rounding; a
+ * second projection removes that part. The result is zero where too little is left; c then counts as on the
+ * axis. */
 static struct vec3 contact_across_axis(const struct contact_shape *shape, struct vec3 c, double axial)
 {
     const struct vec3 once = vec3_axpy(c, -axial, shape->axis);
-    if (!contact_is_near_axis(once, axial)) {
+    const double size = fabs(once.x) + fabs(once.y) + fabs(once.z);
+    if (!(size < 1e-8 * fabs(axial))) {
         return once;
     }
-    const double size = fabs(once.x) + fabs(once.y) + fabs(once.z);
     const struct vec3 twice = vec3_axpy(once, -vec3_dot(once, shape->axis), shape->axis);
     return vec3_norm(twice) > 0.1 * size ? twice : vec3_make(0.0, 0.0, 0.0);
 }
@@ -299,7 +295,7 @@ struct contact_geometry contact_geometry_at(const struct contact_shape *shape, s
     }
     struct contact_shape in = *shape;
     if (in.solid.zone == 0) {
-        in = contact_shape_in(shape, contact_zone_at(&shape->solid, c));
+        in = contact_shape_in(shape, contact_zone_at(&shape->solid, 0, c));
     }
     c = contact_is_skew(&in) ? vec3_sub(c, skew_corner(&in.solid)) : c;
     struct contact_geometry at = geometry_in(&in, c, w, fallback);
@@ -355,7 +351,7 @@ struct solid_place contact_place_at(const struct contact_solid *solid, struct ve
 {
     const double axial = vec3_dot(c, solid->axis);
     const double rho = vec3_norm(vec3_axpy(c, -axial, solid->axis));
-    return (struct solid_place){rho - solid->radius, fabs(axial) - solid->half_height, axial > 0.0 ? -1 : 1};
+    return (struct solid_place){rho - solid->radius, fabs(axial) - solid->half_height};
 }
 
 struct contact_shape contact_shape_in(const struct contact_shape *shape, int zone)
@@ -392,18 +388,18 @@ double contact_zone_margin(const struct contact_solid *solid, int zone, struct v
     return fmin(at.radial, beyond);
 }
 
-/* Returns the zone with the largest margin at c, but not the zone `except`. */
-static int nearest_zone(const struct contact_solid *solid, int except, struct vec3 c)
+int contact_zone_at(const struct contact_solid *solid, int except, struct vec3 c)
 {
-    static const int capped[] = {ZONE_SIDE, ZONE_RIM, -ZONE_RIM, ZONE_CAP, -ZONE_CAP};
+    const int end = vec3_dot(c, solid->axis) > 0.0 ? -1 : 1;
+    const int capped[] = {end * ZONE_RIM, end * ZONE_CAP, ZONE_SIDE}; /* the last of equal ones counts */
     const bool is_skew = solid_is_skew(solid);
     const int count = is_skew ? SKEW_LAST - SKEW_ZONE + 2 : (int)(sizeof capped / sizeof capped[0]);
     double most = -(double)INFINITY;
     int nearest = 0;
-    for (int i = 0; i < count; ++i) {
-        const int zone = !is_skew ? capped[i] : i == 0 ? -SKEW_FACE : SKEW_ZONE + i - 1;
+    for (int i = 0; i < count && !(most > 0.0); ++i) {
+        const int zone = !is_skew ? capped[i] : i == count - 1 ? -SKEW_FACE : SKEW_LAST - i;
         const double margin = contact_zone_margin(solid, zone, c);
-        if (zone != except && margin > most) {
+        if (zone != except && margin >= most) {
             nearest = zone;
             most = margin;
         }
@@ -417,19 +413,7 @@ int contact_zone_next(const struct contact_solid *solid, int zone, struct vec3 c
     /* 16 roundings ahead the zone is clear, unless c moves along the edge of two */
     const double speed = vec3_norm(rate);
     const struct vec3 ahead = speed > 0.0 ? vec3_axpy(c, 16.0 * rounding / speed, rate) : c;
-    return nearest_zone(solid, solid_is_skew(solid) ? 0 : zone, ahead);
-}
-
-int contact_zone_at(const struct contact_solid *solid, struct vec3 c)
-{
-    if (solid_is_skew(solid)) {
-        return nearest_zone(solid, 0, c);
-    }
-    const struct solid_place place = contact_place_at(solid, c);
-    if (place.radial > 0.0 && place.axial > 0.0) {
-        return place.end * ZONE_RIM;
-    }
-    return place.radial >= place.axial ? ZONE_SIDE : place.end * ZONE_CAP;
+    return contact_zone_at(solid, solid_is_skew(solid) ? 0 : zone, ahead);
 }
 
 bool contact_zone_jumps(const struct contact_solid *solid, int zone, int next, struct vec3 c, double distance,
@@ -494,7 +478,7 @@ struct vec3 contact_foot(const struct contact_shape *shape, struct vec3 c)
         return vec3_make(0.0, 0.0, 0.0);
     }
     const struct contact_shape in =
-        shape->solid.zone != 0 ? *shape : contact_shape_in(shape, contact_zone_at(&shape->solid, c));
+        shape->solid.zone != 0 ? *shape : contact_shape_in(shape, contact_zone_at(&shape->solid, 0, c));
     const struct skew_axes *axes = &contact_skew_frame(&in.solid)->axes;
     const struct skew_ends ends = skew_ends_of(in.solid.zone);
     const struct vec3 corner = skew_corner(&in.solid);

@@ -120,10 +120,6 @@ bool contact_may_reach_centre(const struct contact_shape *shape);
 /* Whether n turns, in proportion to 1/d, as the source moves across n. A plane's normal never turns. */
 bool contact_turns(const struct contact_shape *shape, const struct contact_geometry *at);
 
-/* Whether the part of a vector across the axis, `across`, is so small beside its part along the axis,
- * `axial`, that a single projection leaves less than about half of its digits. */
-bool contact_is_near_axis(struct vec3 across, double axial);
-
 /* Returns the part of c across a cylinder's axis; c itself for other shapes. */
 struct vec3 contact_across(const struct contact_shape *shape, struct vec3 c);
 
@@ -183,10 +179,9 @@ struct vec3 contact_default_normal(const struct contact_shape *shape);
  * its reach is h + r_s.
  */
 
-/* The position of the source's centre: dr and dz [m], and the sign of z. */
+/* The position of the source's centre: dr and dz [m]. */
 struct solid_place {
     double radial, axial;
-    int end; /* sign of z: +1 or -1 */
 };
 
 struct solid_place contact_place_at(const struct contact_solid *solid, struct vec3 c);
@@ -206,8 +201,8 @@ double contact_zone_margin(const struct contact_solid *solid, int zone, struct v
 int contact_zone_next(const struct contact_solid *solid, int zone, struct vec3 c, struct vec3 rate,
                       double rounding);
 
-/* Returns the zone that is nearest to c, whatever divides the shape into zones. */
-int contact_zone_at(const struct contact_solid *solid, struct vec3 c);
+/* Returns the zone with the largest margin at c, but not the zone `except`. */
+int contact_zone_at(const struct contact_solid *solid, int except, struct vec3 c);
 
 /* Whether n jumps as c passes from one zone into the next; `distance` is d [m]. */
 bool contact_zone_jumps(const struct contact_solid *solid, int zone, int next, struct vec3 c, double distance,

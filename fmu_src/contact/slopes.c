@@ -72,27 +72,25 @@ static void put_stiffness(const struct friction_law *law, const struct friction_
     }
 }
 
-/* Sets (1 - exp(-z))/z and its first two derivatives. Below z = 1 differences would cancel, and the series
- * sum (-z)^k/(k + 1)! is used; its terms up to k = 20 are exact to rounding up to z = 1. */
+/* Sets (1 - exp(-z))/z and its first two derivatives. They are (-1)^k M_k with the integral M_k of t^k
+ * exp(-z t) over [0, 1], for which z M_k = k M_(k-1) - exp(-z). Below z = 1 only the way downwards in k
+ * keeps the digits; an error of M_20 is divided by 20!/2! there. */
 static void put_saturation(double z, double out[JET_TERMS])
 {
-    enum { TERMS = 20 };
-    double factorial = 51090942171709440000.0; /* 21!, exact as all smaller ones */
+    const double e = exp(-z);
+    double m = e / 21.0;
     if (z >= 1.0) {
-        const double e = exp(-z);
         out[0] = -expm1(-z) / z;
-        out[1] = (e * (1.0 + z) - 1.0) / (z * z);
-        out[2] = (2.0 - e * (2.0 + z * (2.0 + z))) / (z * z * z);
+        out[1] = (e - out[0]) / z;
+        out[2] = -(e + 2.0 * out[1]) / z;
         return;
     }
-    out[0] = out[1] = out[2] = 0.0;
-    for (int k = TERMS; k >= 0; --k) {
-        out[2] = out[2] * z + out[1];
-        out[1] = out[1] * z + out[0];
-        out[0] = out[0] * z + (k % 2 ? -1.0 : 1.0) / factorial;
-        factorial /= k + 1;
+    for (int k = 20; k > 0; --k) {
+        m = (z * m + e) / k;
+        if (k <= JET_TERMS) {
+            out[k - 1] = k == 2 ? -m : m;
+        }
     }
-    out[2] *= 2.0; /* Horner's scheme gives derivatives over factorials */
 }
 
 /* Sets the series of regularized friction, F_t = -L (1 - exp(-|v_t|/v_0))/|v_t| v_t. */
@@ -184,17 +182,6 @@ void opposed_laid_terms(enum opposed part, int terms, const struct vec3 a[JET_TE
     for (int i = 0; part == OPPOSED_SPINNING && i < terms; ++i) {
         laid[i] = jet_scale(along, normal, i);
     }
-}
-
-struct vec3 opposed_turned_change(enum opposed part, const struct vec3 spring[2], const struct vec3 normal[2],
-                                  const struct vec3 normal_rate[2])
-{
-    const bool spins = part == OPPOSED_SPINNING;
-    double factor[2];
-    for (int i = 0; i < 2; ++i) {
-        factor[i] = spins ? jet_dot(spring, normal, i) : -jet_dot(spring, normal_rate, i);
-    }
-    return jet_scale(factor, spins ? normal_rate : normal, 1);
 }
 
 void friction_stored_terms(const struct friction_law *law, enum friction_regime regime,

@@ -62,11 +62,6 @@ CONTACT_COLD struct vec3 friction_spring_rate_change(const struct friction_law *
 CONTACT_COLD void opposed_laid_terms(enum opposed part, int terms, const struct vec3 a[JET_TERMS],
                                      const struct vec3 normal[JET_TERMS], struct vec3 laid[JET_TERMS]);
 
-/* Returns the change along a path of the rate at which n turns a spring (opposed_turned), from the first two
- * terms of the spring, of n and of n'. */
-CONTACT_COLD struct vec3 opposed_turned_change(enum opposed part, const struct vec3 spring[2],
-                                               const struct vec3 normal[2], const struct vec3 normal_rate[2]);
-
 /* Sets the series of the energy stored in the tangential spring [J]. */
 CONTACT_COLD void friction_stored_terms(const struct friction_law *law, enum friction_regime regime,
                                         const struct friction_path *path, double stored[JET_TERMS]);

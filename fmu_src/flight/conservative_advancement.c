@@ -302,46 +302,53 @@ static void bound_ring(const struct contact_shape *shape, bool grows, double spe
     }
 }
 
+/* Returns the sum over i of |e.c^(2 + i)| length^i / i! for a unit vector e. */
+static double bend_along(const struct vec3 c[ADVANCEMENT_TERMS], struct vec3 e, double length)
+{
+    double size = 0.0;
+    for (int i = ADVANCEMENT_TERMS - 1; i >= 2; --i) {
+        size = size * length / (i - 1) + fabs(contact_along_plane(e, c[i]));
+    }
+    return size;
+}
+
 /* Sets the bounds of the second derivatives over `length` seconds from `time` on; INFINITY: no bound. */
 static void bound_bends(const struct advancement_path *path, double time, double length,
                         struct advancement_instant *at)
 {
     const struct axis_bounds axis = axis_motion_bounds(&path->axis, time, length);
+    const struct contact_shape shape = shape_with(path, path->axis.axis);
     const double of_levers = bend_of_levers(path, time, length);
-    double bend = size_within(at->c, 2, length) + of_levers;
-    double speed = size_within(at->c, 1, length) + of_levers * length;
+    const bool grows = distance_grows(path) && !contact_is_plane(&shape);
+    const bool stands = !(axis.speed > 0.0) && !contact_is_torus(&shape);
+    struct falling *gap = &at->of[ADVANCEMENT_GAP];
+    for (int i = ADVANCEMENT_UPPER_END; stands && i < functions_of(path); ++i) {
+        at->of[i].bend = bend_along(at->c, path->axis.axis, length) + of_levers;
+    }
+    if (stands && !grows) {
+        /* the distance from a convex set falls by no more than c changes along its present gradient n */
+        gap->bend = bend_along(at->c, at->geometry.normal, length) + of_levers;
+        return;
+    }
+    const bool is_open = stands && !contact_is_capped(&shape); /* motion along an axis leaves d as it is */
+    struct vec3 c[ADVANCEMENT_TERMS];
+    for (int i = 0; i < ADVANCEMENT_TERMS; ++i) {
+        c[i] = is_open ? contact_across(&shape, at->c[i]) : at->c[i];
+    }
+    double bend = size_within(c, 2, length) + of_levers;
+    double speed = size_within(c, 1, length) + of_levers * length;
     if (axis.speed > 0.0) {
         const double separation = size_within(at->c, 0, length) + 0.5 * of_levers * length * length;
         bend += 2.0 * axis.speed * speed + (axis.turn + axis.speed * axis.speed) * separation;
         speed += axis.speed * separation;
     }
-    for (int i = 0; i < functions_of(path); ++i) {
+    for (int i = 0; i < (stands ? 1 : functions_of(path)); ++i) {
         at->of[i].bend = bend;
     }
-    const struct contact_shape shape = shape_with(path, path->axis.axis);
     if (contact_is_torus(&shape)) {
-        bound_ring(&shape, distance_grows(path), speed, length, at);
+        bound_ring(&shape, grows, speed, length, at);
     }
-    struct falling *gap = &at->of[ADVANCEMENT_GAP];
-    const int zone = abs(at->geometry.zone); /* of a capped cylinder, else 0 */
-    const bool is_split = zone == 0 || (zone != ZONE_RIM && !distance_grows(path));
-    const bool is_flat = zone == ZONE_CAP || contact_is_plane(&shape);
-    if ((is_flat || contact_is_cylinder(&shape)) && is_split && !(axis.speed > 0.0)) {
-        /* The distance from the side changes by motion across the axis alone, the distances from ends, caps
-         * and planes by motion along it. None of them is larger than the distance from the whole solid. */
-        struct vec3 across[ADVANCEMENT_TERMS];
-        struct vec3 along[ADVANCEMENT_TERMS];
-        for (int i = 0; i < ADVANCEMENT_TERMS; ++i) {
-            across[i] = contact_across(&shape, at->c[i]);
-            along[i] = vec3_sub(at->c[i], across[i]);
-        }
-        gap->bend = size_within(is_flat ? along : across, 2, length) + of_levers;
-        for (int i = ADVANCEMENT_UPPER_END; i < functions_of(path); ++i) {
-            at->of[i].bend = size_within(along, 2, length) + of_levers;
-        }
-        speed = size_within(across, 1, length) + of_levers * length;
-    }
-    if (distance_grows(path) && !contact_is_plane(&shape)) {
+    if (grows) {
         gap->bend += speed * speed / smooth_reach(&shape);
     }
 }

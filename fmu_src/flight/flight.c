@@ -76,15 +76,12 @@ static struct vec3 part_that_counts(const struct contact_shape *shape, struct ve
 bool flight_is_head_on(const struct contact_shape *shape, const struct separation_path *separation,
                        struct vec3 normal)
 {
-    for (int i = 1; i <= SEPARATION_DEGREE; ++i) {
-        if (vec3_is_zero(separation->c[i]) && vec3_is_zero(separation->w[i - 1])) {
-            continue; /* the motion lacks this power of time, as it does under constant forces */
-        }
+    for (int i = 1; i <= separation->degree; ++i) {
         const struct vec3 moved = part_that_counts(shape, normal, separation->c[i]);
-        const struct vec3 rate = part_that_counts(shape, normal, separation->w[i - 1]);
+        const struct vec3 mismatch = vec3_axpy(separation->w[i - 1], -i, separation->c[i]);
         const bool is_along = contact_is_plane(shape) || vec3_is_zero(vec3_cross(normal, moved));
-        const bool rests = vec3_is_zero(moved) && vec3_is_zero(rate);
-        if (!rests && (i > 2 || !is_along || !vec3_is_zero(vec3_axpy(rate, -i, moved)))) {
+        if (!is_along || (i > 2 && !vec3_is_zero(moved)) ||
+            !(vec3_is_zero(mismatch) || vec3_is_zero(part_that_counts(shape, normal, mismatch)))) {
             return false;
         }
     }
@@ -278,23 +275,18 @@ static bool contact_is_deferrable(const struct contact_state *state)
            vec3_is_zero(vec3_sub(state->physics.impulse.force, state->record.impulse_mark.force));
 }
 
-/* Whether a body has no external force and torque, and speed, displacement and kinetic energy far from
- * overflow. */
-static bool body_is_deferrable(const struct scene_state *q, int body, double clock)
-{
-    const double speed = vec3_max_abs(q->origin[body].velocity) + vec3_max_abs(gravity(q->v)) * clock;
-    const bool turns_by_itself =
-        !body_turns_freely(q->v, body) || (path_rests(q->path[body].torque) && !body_is_compound(body));
-    return path_rests(q->path[body].force) && turns_by_itself && speed < 1e70 && speed * clock < 1e70;
-}
-
 bool flight_stays_finite(const struct scene_state *q, double clock)
 {
-    bool all = true;
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        all = all && (!body_moves_freely(q->v, i) || body_is_deferrable(q, i, clock));
+        const double speed = vec3_max_abs(q->origin[i].velocity) + vec3_max_abs(gravity(q->v)) * clock;
+        const bool turns_by_itself =
+            !body_turns_freely(q->v, i) || (path_rests(q->path[i].torque) && !body_is_compound(i));
+        if (body_moves_freely(q->v, i) &&
+            !(path_rests(q->path[i].force) && turns_by_itself && speed < 1e70 && speed * clock < 1e70)) {
+            return false;
+        }
     }
-    return all;
+    return true;
 }
 
 double flight_deferrable_until(const struct scene_state *q)

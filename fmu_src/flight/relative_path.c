@@ -10,6 +10,7 @@ static void add_free(const struct scene_instant *at, double clock, int body, dou
                      struct separation_path *out)
 {
     const struct free_flight f = free_flight_of(at->q, body, clock, at->velocity[body]);
+    out->degree = f.terms > out->degree ? f.terms : out->degree;
     for (int i = 0; i < f.terms; ++i) {
         out->w[i] = vec3_axpy(out->w[i], sign, f.velocity[i]);
         out->c[i + 1] = vec3_axpy(out->c[i + 1], sign * FLIGHT_MEAN[i], f.velocity[i]);
@@ -21,6 +22,7 @@ static void add_prescribed(const struct scene_state *q, double clock, int body, 
 {
     struct body_path path = q->path[body];
     body_path_shift(q->v, body, &path, clock);
+    out->degree = out->degree > 3 ? out->degree : 3;
     for (int i = 1; i < 4; ++i) {
         out->c[i] = vec3_axpy(out->c[i], sign, path.displacement[i]);
     }
@@ -32,7 +34,7 @@ static void add_prescribed(const struct scene_state *q, double clock, int body, 
 struct separation_path separation_path_of(const struct scene_instant *at, double clock, int contact)
 {
     const int ends[2] = {contact_destination(contact), contact_source(contact)};
-    struct separation_path path = {.c = {at->separation[contact]}, .offset = at->geometry[contact].offset};
+    struct separation_path path = {.c = {at->separation[contact]}, .degree = 1};
     for (int i = 0; i < 2; ++i) {
         const double sign = i == 0 ? 1.0 : -1.0;
         if (SCENE_ANY_FREE && body_is_free(at->v, ends[i])) {
@@ -117,37 +119,15 @@ struct advancement_path advancement_path_of(const struct scene_instant *at, doub
     return path;
 }
 
-bool relative_path_has_ends(const struct contact_shape *shape)
-{
-    return !SCENE_ANY_ENDLESS || (SCENE_ANY_CYLINDER && isfinite(shape->half_length));
-}
-
-static double coefficient_scale(const struct vec3 *c, double horizon, double reach)
-{
-    double scale = reach;
-    double power = 1.0;
-    for (int i = 0; i <= SEPARATION_DEGREE; ++i) {
-        scale = fmax(scale, vec3_max_abs(c[i]) * power);
-        power *= horizon;
-    }
-    return scale > 0.0 ? scale : 1.0;
-}
-
 struct relative_path relative_path_make(const struct contact_shape *shape,
                                         const struct separation_path *separation, double gap, double horizon)
 {
     struct relative_path path = {.shape = shape, .horizon = horizon};
-    path.scale = coefficient_scale(separation->c, horizon, contact_reach(shape));
+    path.scale =
+        fmax(path_size(separation->c, SEPARATION_DEGREE + 1, horizon), fmax(contact_reach(shape), DBL_MIN));
     double factor = 1.0 / path.scale;
     for (int i = 0; i <= SEPARATION_DEGREE; ++i) {
-        path.c[i] = vec3_scale(factor, separation->c[i]);
-        if (SCENE_ANY_CYLINDER && shape->destination == SHAPE_CYLINDER) {
-            const double axial = vec3_dot(path.c[i], shape->axis);
-            path.c[i] = vec3_axpy(path.c[i], -axial, shape->axis);
-            if (i == 0 && contact_is_near_axis(path.c[0], axial)) {
-                path.c[0] = vec3_scale(factor, separation->offset);
-            }
-        }
+        path.c[i] = vec3_scale(factor, contact_across(shape, separation->c[i]));
         if (contact_is_plane(shape)) {
             path.c[i] = vec3_make(-vec3_dot(path.c[i], shape->axis), 0.0, 0.0);
         }

@@ -16,8 +16,7 @@ enum { SEPARATION_DEGREE = 4 };
 struct separation_path {
     struct vec3 c[SEPARATION_DEGREE + 1];
     struct vec3 w[SEPARATION_DEGREE];
-    /* part of c[0] across a cylinder's axis, accurate also near the axis */
-    struct vec3 offset;
+    int degree; /* at least one; coefficients of c beyond it are zero, and those of w from it on */
 };
 
 /* The separation path over a horizon, with the time s = time / horizon in [0, 1] and lengths divided by
@@ -50,9 +49,6 @@ struct advancement_path advancement_path_of(const struct scene_instant *at, doub
 /* `gap` is the gap at the start [m], which may have more digits than the positions. */
 struct relative_path relative_path_make(const struct contact_shape *shape,
                                         const struct separation_path *separation, double gap, double horizon);
-
-/* Whether the destination has end planes; a compile-time false in scenes without a cylinder. */
-bool relative_path_has_ends(const struct contact_shape *shape);
 
 /* Sets the gap [scale] and its slope in s, as a root_function of a struct relative_path. The gap is computed
  * from the growth of the distance since the start, so that its accuracy is that of the gap at the start. The

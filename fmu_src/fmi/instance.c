@@ -15,7 +15,7 @@ bool step_plainly_in_order(const struct instance *instance, double point, double
 {
     const double time = model_time(instance->model);
     const double end = point + size;
-    return instance->phase == PHASE_STEP && instance->step_status == MODEL_OK &&
+    return instance->experiment.phase == PHASE_STEP && instance->step_status == MODEL_OK &&
            fabs(point - time) <= STEP_SLACK * size && end > time && end <= instance->experiment.stop_time;
 }
 
@@ -93,11 +93,11 @@ static void send_message(struct instance *instance, enum model_status status, co
         (void)snprintf(text, sizeof text, "%.*s: %s", NAME_SHOWN, instance->name, message);
     }
     escape_message(text, instance->adapter->doubled, escaped);
-    const enum phase phase = instance->phase;
+    const enum phase phase = instance->experiment.phase;
     const struct call *call = instance->call;
-    instance->phase = (enum phase)(phase | PHASE_TELLING);
+    instance->experiment.phase = (enum phase)(phase | PHASE_TELLING);
     instance->adapter->send(instance, status, category_names[status], escaped);
-    instance->phase = phase;
+    instance->experiment.phase = phase;
     instance->call = call;
 }
 
@@ -106,7 +106,7 @@ static void send_message(struct instance *instance, enum model_status status, co
 static bool is_heard(void *context, enum model_status status)
 {
     const struct instance *instance = context;
-    return instance->logger_given && (instance->phase & PHASE_TELLING) == 0 &&
+    return instance->logger_given && (instance->experiment.phase & PHASE_TELLING) == 0 &&
            (instance->log_categories & (1u << status)) != 0;
 }
 
@@ -132,20 +132,10 @@ static void log_from_model(void *context, enum model_status status, const char *
     }
 }
 
-static const struct phase_name {
-    unsigned phase;
-    const char *name;
-} phase_names[] = {
-    {PHASE_INSTANTIATED, "instantiated"},
-    {PHASE_INITIALIZATION, "initialization mode"},
-    {PHASE_STEP, "step mode"},
-    {PHASE_TERMINATED, "terminated"},
-    {PHASE_ERROR, "error"},
-    {PHASE_FATAL, "fatal"},
-    {PHASE_EVENT, "event mode"},
-    {PHASE_INTERMEDIATE, "intermediate update mode"},
-    {PHASE_CONTINUOUS, "continuous-time mode"},
-};
+/* The names stand in the order of the bits of enum phase; PHASE_TELLING has none. */
+static const char *const phase_names[] = {
+    "instantiated", "initialization mode",      "step mode",           "terminated", "error", "fatal", NULL,
+    "event mode",   "intermediate update mode", "continuous-time mode"};
 
 /* Bytes for the names of all phases, with the commas between them. */
 enum { PHASE_NAMES_SIZE = 160 };
@@ -156,9 +146,9 @@ static const char *name_phases(unsigned phases, char text[PHASE_NAMES_SIZE])
     size_t length = 0;
     text[0] = '\0';
     for (size_t i = 0; i < sizeof phase_names / sizeof phase_names[0]; ++i) {
-        if ((phases & phase_names[i].phase) != 0 && length < PHASE_NAMES_SIZE) {
+        if ((phases & 1u << i) != 0 && phase_names[i] != NULL && length < PHASE_NAMES_SIZE) {
             length += (size_t)snprintf(text + length, PHASE_NAMES_SIZE - length, "%s%s",
-                                       length > 0 ? ", " : "", phase_names[i].name);
+                                       length > 0 ? ", " : "", phase_names[i]);
         }
     }
     return text;
@@ -177,11 +167,11 @@ CONTACT_NOINLINE static bool report_call(struct instance *instance)
         log_report(instance, MODEL_ERROR, " called on an instance of %s, allowed: of %s", kind_names[kind],
                    kind_names[call->kind]);
     } else if (call->absent != NULL) {
-        log_report(instance, MODEL_ERROR, " called in phase %s: %s", name_phases(instance->phase, now),
-                   call->absent);
+        log_report(instance, MODEL_ERROR, " called in phase %s: %s",
+                   name_phases(instance->experiment.phase, now), call->absent);
     } else {
         log_report(instance, MODEL_ERROR, " called in phase %s, allowed in: %s",
-                   name_phases(instance->phase, now), name_phases(call->phases, allowed));
+                   name_phases(instance->experiment.phase, now), name_phases(call->phases, allowed));
     }
     return false;
 }
@@ -193,7 +183,8 @@ CONTACT_NOINLINE bool call_begin(struct instance *instance, const struct call *c
     }
     instance->call = call;
     const bool of_kind = call->kind == CALL_ANY || (call->kind == CALL_EXCHANGE) == instance->host.exchange;
-    return of_kind && ((unsigned)instance->phase & ~call->phases) == 0 ? true : report_call(instance);
+    return of_kind && ((unsigned)instance->experiment.phase & ~call->phases) == 0 ? true
+                                                                                  : report_call(instance);
 }
 
 bool array_given(struct instance *instance, const char *argument, const void *array, size_t count)
@@ -256,7 +247,7 @@ static inline const struct variable *find_readable(struct instance *instance, ui
                                                    unsigned types)
 {
     const struct variable *variable = find_variable(instance, reference, types);
-    if (variable != NULL && (instance->phase & PHASE_INSTANTIATED) != 0 &&
+    if (variable != NULL && (instance->experiment.phase & PHASE_INSTANTIATED) != 0 &&
         variable->causality != VARIABLE_PARAMETER && variable->causality != VARIABLE_INPUT &&
         variable->causality != VARIABLE_INDEPENDENT) {
         log_report(instance, MODEL_ERROR, ": %s has no value before initialization mode", variable->name);
@@ -278,10 +269,10 @@ static inline const struct variable *find_settable(struct instance *instance, ui
     const unsigned phases = variable->tunable ? before | instance->tuning_phases : before;
     /* Model Exchange of FMI 3.0 may set states, in event mode only those that events do not make jump
      * (FMI 3.0.2, sections 2.3.5 and 3.2.1) */
-    const bool sets_state =
-        instance->host.exchange && has_vectors(instance) &&
-        (instance->phase == PHASE_CONTINUOUS || (instance->phase == PHASE_EVENT && !variable->reinit));
-    if ((variable->causality == VARIABLE_PARAMETER && (instance->phase & phases) != 0) ||
+    const bool sets_state = instance->host.exchange && has_vectors(instance) &&
+                            (instance->experiment.phase == PHASE_CONTINUOUS ||
+                             (instance->experiment.phase == PHASE_EVENT && !variable->reinit));
+    if ((variable->causality == VARIABLE_PARAMETER && (instance->experiment.phase & phases) != 0) ||
         (variable->causality == VARIABLE_STATE && sets_state)) {
         return variable;
     }
@@ -393,7 +384,7 @@ CONTACT_NOINLINE enum model_status instance_get_values(struct instance *instance
                                                        void *values, size_t count)
 {
     const struct variable_list list = list_of(instance, references, reference_count);
-    const bool is_quick = types == TYPES_REAL && instance->phase == PHASE_STEP;
+    const bool is_quick = types == TYPES_REAL && instance->experiment.phase == PHASE_STEP;
     if (is_quick && references != NULL && values != NULL &&
         model_get_reals(instance->model, &list, count, values)) {
         return MODEL_OK;
@@ -494,7 +485,7 @@ enum model_status instance_output_derivatives(struct instance *instance, const u
 static enum model_status check_role(struct instance *instance, uint32_t reference, bool is_known)
 {
     const struct variable *variable = variable_of(instance, reference);
-    const bool starting = (instance->phase & PHASE_INITIALIZATION) != 0;
+    const bool starting = (instance->experiment.phase & PHASE_INITIALIZATION) != 0;
     const bool has_states = instance->host.exchange || has_vectors(instance);
     const enum variable_causality role =
         variable != NULL ? (enum variable_causality)variable->causality : VARIABLE_INDEPENDENT;
@@ -527,33 +518,27 @@ static enum model_status check_seeds(struct instance *instance, const struct var
     return MODEL_OK;
 }
 
-static enum model_status check_product(struct instance *instance, const struct product *p)
-{
-    enum model_status status = MODEL_OK;
-    for (int knowns = 0; knowns < 2 && status == MODEL_OK; ++knowns) {
-        const struct variable_list *list = knowns ? &p->knowns : &p->unknowns;
-        status = check_components(instance, find_variable, ANY_TYPE, list,
-                                  knowns != p->adjoint ? "nSeed" : "nSensitivity",
-                                  knowns ? p->known_components : p->unknown_components);
-        for (size_t i = 0; i < list->count && status == MODEL_OK; ++i) {
-            status = check_role(instance, list->references[i], knowns);
-        }
-    }
-    return status == MODEL_OK ? check_seeds(instance, p->adjoint ? &p->unknowns : &p->knowns, p->seed)
-                              : status;
-}
-
 enum model_status instance_product(struct instance *instance, const struct product *p)
 {
-    const size_t seeds = p->adjoint ? p->unknown_components : p->known_components;
-    const size_t sensitivities = p->adjoint ? p->known_components : p->unknown_components;
-    if (!array_given(instance, "unknowns", p->unknowns.references, p->unknowns.count) ||
-        !array_given(instance, "knowns", p->knowns.references, p->knowns.count) ||
-        !array_given(instance, "seed", p->seed, seeds) ||
-        !array_given(instance, "sensitivity", p->sensitivity, sensitivities)) {
-        return MODEL_ERROR;
+    for (int knowns = 0; knowns < 2; ++knowns) {
+        const struct variable_list *list = knowns ? &p->knowns : &p->unknowns;
+        const size_t components = knowns ? p->known_components : p->unknown_components;
+        const bool has_seeds = knowns != p->adjoint;
+        if (!array_given(instance, knowns ? "knowns" : "unknowns", list->references, list->count) ||
+            !array_given(instance, has_seeds ? "seed" : "sensitivity", has_seeds ? p->seed : p->sensitivity,
+                         components) ||
+            check_components(instance, find_variable, ANY_TYPE, list, has_seeds ? "nSeed" : "nSensitivity",
+                             components) != MODEL_OK) {
+            return MODEL_ERROR;
+        }
+        for (size_t i = 0; i < list->count; ++i) {
+            const enum model_status status = check_role(instance, list->references[i], knowns);
+            if (status != MODEL_OK) {
+                return status;
+            }
+        }
     }
-    const enum model_status status = check_product(instance, p);
+    const enum model_status status = check_seeds(instance, p->adjoint ? &p->unknowns : &p->knowns, p->seed);
     return status == MODEL_OK ? model_product(instance->model, p) : status;
 }
 
@@ -609,7 +594,7 @@ enum model_status instance_step(struct instance *instance, double point, double 
         whole.end_time = point + size;
         status = model_step(instance->model, &whole);
         if (status >= MODEL_ERROR) {
-            instance->phase = status == MODEL_ERROR ? PHASE_ERROR : PHASE_FATAL;
+            instance->experiment.phase = status == MODEL_ERROR ? PHASE_ERROR : PHASE_FATAL;
         }
     }
     instance->step_status = status;
@@ -684,10 +669,7 @@ struct block_header {
     uint32_t scene;    /* SCENE_HASH: states fit only the FMU that wrote them */
     uint32_t checksum; /* checksum of all bytes behind this field */
     uint64_t size;     /* bytes of the whole block */
-    double start_time; /* s */
-    double stop_time;  /* s */
-    uint32_t set_up;
-    uint32_t phase;
+    struct experiment experiment;
 };
 
 _Static_assert(sizeof(struct block_header) == 48, "no padding, and the model's bytes stay aligned to 8");
@@ -741,24 +723,22 @@ static void write_block(struct instance *instance, struct state_block *block)
         .version = BLOCK_VERSION,
         .scene = SCENE_HASH,
         .size = block_size(),
-        .start_time = instance->experiment.start_time,
-        .stop_time = instance->experiment.stop_time,
-        .set_up = instance->experiment.set_up ? 1 : 0,
-        .phase = (uint32_t)instance->phase,
+        .experiment = instance->experiment,
     };
     block->header.checksum = block_checksum(&block->header);
 }
 
-static bool plausible_header(const struct instance *instance, const struct block_header *header)
+static bool plausible_experiment(const struct instance *instance, const struct experiment *experiment)
 {
     /* Only FMI 3.0 has an event mode in Co-Simulation. */
     const unsigned others = instance->host.exchange           ? PHASE_STEP
                             : instance->adapter->version >= 3 ? PHASE_CONTINUOUS
                                                               : PHASES_EXCHANGED;
     const unsigned allowed = (PHASES_ALL | PHASE_FATAL) & ~others;
-    const bool is_one_phase = header->phase != 0 && (header->phase & (header->phase - 1)) == 0;
-    return is_one_phase && (header->phase & ~allowed) == 0 && header->set_up <= 1 &&
-           isfinite(header->start_time) && header->stop_time >= header->start_time;
+    const unsigned phase = experiment->phase;
+    const bool is_one_phase = phase != 0 && (phase & (phase - 1)) == 0;
+    return is_one_phase && (phase & ~allowed) == 0 && experiment->set_up <= 1 &&
+           isfinite(experiment->start_time) && experiment->stop_time >= experiment->start_time;
 }
 
 static enum model_status refuse_number(struct instance *instance, const char *what, unsigned long got,
@@ -792,7 +772,7 @@ static enum model_status check_block(struct instance *instance, const void *bloc
     if (block_checksum(block) != header.checksum) {
         return refuse_number(instance, "checksum", block_checksum(block), header.checksum);
     }
-    if (!plausible_header(instance, &header)) {
+    if (!plausible_experiment(instance, &header.experiment)) {
         return log_report(instance, MODEL_ERROR, ": state has a header out of range");
     }
     return MODEL_OK;
@@ -854,10 +834,7 @@ enum model_status state_block_set(struct instance *instance, void *state)
     }
     const enum model_status status = model_restore(instance->model, block->model);
     if (status <= MODEL_WARNING) {
-        const struct block_header *header = &block->header;
-        instance->experiment =
-            (struct experiment){header->start_time, header->stop_time, header->set_up != 0};
-        instance->phase = (enum phase)header->phase;
+        instance->experiment = block->header.experiment;
     }
     return status;
 }
@@ -916,8 +893,7 @@ enum model_status state_block_deserialize(struct instance *instance, const void 
 
 static void forget_experiment(struct instance *instance)
 {
-    instance->experiment = (struct experiment){.stop_time = (double)INFINITY};
-    instance->phase = PHASE_INSTANTIATED;
+    instance->experiment = (struct experiment){.stop_time = (double)INFINITY, .phase = PHASE_INSTANTIATED};
     instance->step_status = MODEL_OK;
     instance->log_categories = instance->logging_on ? LOG_ALL : LOG_STATUS_ALL;
 }
@@ -966,7 +942,7 @@ struct instance *instance_create(struct instance *nobody, size_t size, bool logg
 
 void instance_free(struct instance *instance)
 {
-    if (instance != NULL && (instance->phase & (PHASE_TELLING | PHASE_INTERMEDIATE)) == 0) {
+    if (instance != NULL && (instance->experiment.phase & (PHASE_TELLING | PHASE_INTERMEDIATE)) == 0) {
         void (*release)(void *) = instance->host.release;
         while (instance->states != NULL) { /* states that the importer has not freed */
             state_list_remove(instance, instance->states);
@@ -1015,7 +991,7 @@ enum model_status instance_set_up(struct instance *instance, bool tolerance_defi
     if (status <= MODEL_WARNING) {
         instance->experiment.start_time = start_time;
         instance->experiment.stop_time = stop_time_defined ? stop_time : (double)INFINITY;
-        instance->experiment.set_up = true;
+        instance->experiment.set_up = 1;
     }
     return status;
 }
@@ -1024,14 +1000,14 @@ enum model_status instance_exit_initialization(struct instance *instance, bool e
 {
     const enum model_status status = model_exit_initialization(instance->model);
     if (status <= MODEL_WARNING) {
-        instance->phase = events || instance->host.exchange ? PHASE_EVENT : PHASE_STEP;
+        instance->experiment.phase = events || instance->host.exchange ? PHASE_EVENT : PHASE_STEP;
     }
     return status;
 }
 
 enum model_status instance_enter(struct instance *instance, enum phase next)
 {
-    instance->phase = next;
+    instance->experiment.phase = next;
     if (instance->host.exchange && (next & PHASES_EXCHANGED) != 0) {
         model_exchange_set_continuous(instance->model, next == PHASE_CONTINUOUS);
     }

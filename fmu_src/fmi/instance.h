@@ -64,10 +64,12 @@ struct adapter {
     uint32_t state_magic;      /* a saved state fits only the version of the standard that wrote it */
 };
 
+/* What an instance knows of its run. Saved states hold it. */
 struct experiment {
     double start_time; /* s */
     double stop_time;  /* s; infinite where the importer names none */
-    bool set_up;       /* the experiment was accepted */
+    uint32_t set_up;   /* 1: start and stop time were accepted */
+    enum phase phase;
 };
 
 struct state_block; /* a saved state, instance.c */
@@ -78,7 +80,6 @@ struct instance {
     const struct adapter *adapter;
     const struct call *call; /* the function that the importer has called, for messages */
     struct experiment experiment;
-    enum phase phase;
     unsigned tuning_phases;        /* phases after initialization in which tunable parameters may be set */
     struct state_block *states;    /* given to the importer and not freed, newest first; kept at a reset */
     double asked_end;              /* end of the last step that the importer asked for [s] */

@@ -180,7 +180,7 @@ CALL3(SetDebugLogging, ANY, PHASES_ALL,
 static enum model_status begin_initialization(struct instance *instance, enum model_status set_up)
 {
     if (set_up <= MODEL_WARNING) {
-        instance->phase = PHASE_INITIALIZATION;
+        instance->experiment.phase = PHASE_INITIALIZATION;
     }
     return set_up;
 }
@@ -268,10 +268,10 @@ static double at_event(void *context, double end_time)
     double requested_time = end_time;
     own->event_time = now;
     if (own->intermediate_update != NULL) {
-        instance->phase = (enum phase)(PHASE_STEP | PHASE_INTERMEDIATE);
+        instance->experiment.phase = (enum phase)(PHASE_STEP | PHASE_INTERMEDIATE);
         own->intermediate_update(own->environment, now, fmi3False, fmi3True, fmi3True,
                                  own->early_return_allowed, &requested, &requested_time);
-        instance->phase = PHASE_STEP;
+        instance->experiment.phase = PHASE_STEP;
         instance->call = call;
     }
     if (!own->early_return_allowed) {
@@ -438,9 +438,9 @@ static enum model_status set_state(struct instance *instance, fmi3FMUState state
 {
     const struct fmi3_instance *own = (const struct fmi3_instance *)instance;
     const enum model_status status = state_block_set(instance, state);
-    if (status <= MODEL_WARNING && instance->phase == PHASE_EVENT && !instance->host.exchange &&
+    if (status <= MODEL_WARNING && instance->experiment.phase == PHASE_EVENT && !instance->host.exchange &&
         !own->event_mode_used) {
-        instance->phase = PHASE_STEP;
+        instance->experiment.phase = PHASE_STEP;
     }
     return status;
 }

@@ -363,7 +363,7 @@ enum advance_result cvode_advance(struct cvode *c, struct scene_state *q, struct
         if (to == c->reached && c->flag == CV_ROOT_RETURN) {
             const enum advance_result result = advance_to_event(step, q, event_found(c));
             if (step->regime == REGIME_APART) {
-                projection_end_contact(&c->ode, q, step->contact, c->relative, c->absolute);
+                projection_end_contact(q, step->contact, c->relative, c->absolute);
             }
             /* CVODE places a root to 100 roundings of its time and step. After four times this error the
              * contact is certainly in its new regime. */

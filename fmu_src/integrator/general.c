@@ -18,7 +18,7 @@
 /* Newton's iteration ends when its last correction is below this part of the error allowed in a step. The
  * part is smaller where bodies turn, because the angular momentum shall be kept over a thousand impacts. */
 static const double NEWTON_SHARE = 0.05;
-static const double TURNING_NEWTON_SHARE = 0.002;
+static const double TURNING_NEWTON_SHARE = 0.001;
 
 /* Whether bodies may turn and rub. */
 static bool general_rubs(const struct general *g)
@@ -76,9 +76,8 @@ static double length_of_impact(const struct scene_instant *at, int contact)
     if (!contact_is_hertz(&law) || !contact_transmits(at->q, contact) || !(per_mass > 0.0)) {
         return (double)INFINITY;
     }
-    const struct contact_coefficients factors = contact_factors_of(&law);
-    const double k = factors.k * per_mass;
-    const double chi = regime == REGIME_COMPRESSION ? factors.c : 0.0;
+    const double k = contact_factors_of(&law, REGIME_COMPRESSION).k * per_mass;
+    const double chi = contact_factors_of(&law, regime).c;
     const struct contact_geometry *g = &at->geometry[contact];
     const double load = scene_pressing_acceleration(at, contact);
     const double depth = depth_to_come(k, chi, fabs(g->gap_rate), load);
@@ -775,8 +774,10 @@ static bool may_fall(const struct general *g, int event, double of[RADAU_MOST_ST
 static double event_at(struct general *g, int event, double part)
 {
     const struct radau_step *p = &g->step;
+    double events[ODE_EVENTS];
     radau_step_at(p, part, g->y);
-    return ode_event(&g->ode, p->start + part * p->length, g->y, event);
+    ode_events(&g->ode, p->start + part * p->length, g->y, events);
+    return events[event];
 }
 
 /* Returns an event function at a place of the step. */
@@ -802,7 +803,8 @@ static bool enclose_root(const struct general *g, int event, double ends[2])
 
 /* Encloses a root between two samples that are both above zero, where the polynomial falls through zero at
  * `from`. The event function itself is evaluated where the polynomial is lowest before the next sample. If it
- * is above zero there, the dip is an error of the polynomial, and false is returned. */
+ * is above zero there, the dip is an error of the polynomial, and false is returned. So is a dip of the gap
+ * between a touch and the first sample, because springs take longer to part the bodies again. */
 static bool enclose_dip(struct general *g, int event, const double *of, double from, double ends[2])
 {
     const struct radau_stages *stages = g->step.stages;
@@ -811,6 +813,10 @@ static bool enclose_dip(struct general *g, int event, const double *of, double f
     int after = 0;
     while (after + 1 < stages->stages && stages->place[after] <= from) {
         after += 1;
+    }
+    if (after == 0 && event % ODE_EVENTS_EACH == (int)ODE_EVENT_GAP &&
+        g->state->contact[event / ODE_EVENTS_EACH].record.touch_clock == g->step.start) {
+        return false;
     }
     memcpy(dip, of, (size_t)count * sizeof *dip);
     bernstein_restrict(dip, count, from, stages->place[after]);
@@ -1340,8 +1346,7 @@ static void look_for_peaks(struct general *g, struct scene_state *q, const struc
     const int parts = (int)ceil((last - first) * p->stages->stages / 3);
     const double ends[2] = {radau_place(p->stages, first), radau_place(p->stages, last)};
     if (!search_tops(g, at, contact, ends)) {
-        struct scene_output output = {
-            .state = q, .contact = contact, .move = move_along_step, .mover = g, .output.latest_s = -1.0};
+        struct scene_output output = {.state = q, .contact = contact, .move = move_along_step, .mover = g};
         output.output.worth_a_search = fmax(g->relative, dense_output_worth_a_search(q->v));
         scene_output_note_peaks(&output, from, q->clock, parts, &q->contact[contact].peaks);
     }
@@ -1576,7 +1581,7 @@ static enum advance_result end_by_event(const struct general *g, struct scene_st
 {
     const enum advance_result result = advance_to_event(step, q, event);
     if (step->regime == REGIME_APART) {
-        projection_end_contact(&g->ode, q, step->contact, g->relative, g->absolute);
+        projection_end_contact(q, step->contact, g->relative, g->absolute);
     }
     q->contact[step->contact].schedule.dead_band_clock = q->clock * (1.0 + 16.0 * DBL_EPSILON);
     return result;

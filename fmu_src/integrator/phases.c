@@ -114,8 +114,8 @@ static const double SEARCH_GROWTH = 8.0;
 static double horizon_from(const struct scene_state *q, double remaining, double passed)
 {
     const double horizon =
-        fmax(fmax(remaining, SCENE_CONTACTS == 1 ? passed : 0.0), SEARCH_GROWTH * q->clock);
-    return fmin(horizon, fmax(LONGEST_HORIZON, HORIZON_GROWTH * q->clock));
+        larger(larger(remaining, SCENE_CONTACTS == 1 ? passed : 0.0), SEARCH_GROWTH * q->clock);
+    return fmin(horizon, larger(LONGEST_HORIZON, HORIZON_GROWTH * q->clock));
 }
 
 /* Notes for every contact when its regime changes next; does nothing before the horizon is reached. */

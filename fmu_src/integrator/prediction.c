@@ -90,7 +90,7 @@ static bool path_passes_centre(const struct relative_path *path, const double *e
 /* Whether the path is too short for the bodies to touch or for their centres to meet. */
 static bool path_keeps_away(const struct relative_path *path)
 {
-    const double start = contact_is_plane(path->shape) ? path->c[0].x : vec3_norm(path->c[0]);
+    const double start = contact_is_plane(path->shape) ? path->c[0].x : path->start;
     const double length = path_size(path->c + 1, path->degree, 1.0);
     if (path->shape->side > 0) {
         return start - length > path->reach + NO_DISTANCE;
@@ -154,10 +154,8 @@ static struct regime_change touch_in_flight(const struct scene_instant *at, cons
     const struct contact_geometry *now = &at->geometry[contact];
     const double rounding = rounding_now(at, contact);
     const double dead_band = at->q->contact[contact].schedule.dead_band_clock - at->q->clock;
-    bool head_on = !(dead_band > 0.0);
-    if (SCENE_ANY_CURVED) {
-        head_on = head_on && !singularity_is_reached(at, contact, shape);
-    }
+    const bool has_normal = !singularity_is_reached(at, contact, shape);
+    const bool head_on = has_normal && !(dead_band > 0.0);
     double touch;
     if (head_on && flight_is_head_on(shape, &separation, now->normal) &&
         flight_head_on_touch(shape, &separation, now, rounding, horizon, &touch)) {
@@ -360,6 +358,11 @@ static struct regime_change separating_change(const struct scene_instant *at,
         const double to = interval < count ? extremes[interval] : 1.0;
         double s = from + (to - from) * (1 + i % SEPARATING_PLACES) / SEPARATING_PLACES;
         if (separating_at(&f, s, &gap) != REGIME_SEPARATING) {
+            const struct root_bracket_end low = gap_along(&f.path, before);
+            if (!(gap < 0.0) && low.value < 0.0) { /* the bodies part */
+                s = root_between(relative_path_gap, &f.path, low, gap_along(&f.path, s));
+                return (struct regime_change){fmax(s, f.settle) * horizon, REGIME_APART, 0.0, true};
+            }
             for (double middle = 0.5 * (before + s); middle > before && middle < s;
                  middle = 0.5 * (before + s)) {
                 *(separating_at(&f, middle, &gap) == REGIME_SEPARATING ? &before : &s) = middle;
@@ -380,7 +383,7 @@ static struct prediction change_on_path(const struct scene_instant *at, const st
                                         int contact, double horizon, long budget)
 {
     struct prediction found = {.searched = horizon};
-    const bool has_ends = relative_path_has_ends(shape);
+    const bool has_ends = scene_ends_suddenly(at->v, contact);
     if (contact_is_prescribed(at->v, contact) ||
         (has_ends && at->q->contact[contact].regime == (int32_t)REGIME_APART)) {
         return advancement_prediction(at, contact, horizon, budget);
@@ -437,10 +440,9 @@ struct prediction prediction_of(const struct scene_instant *at, int contact, dou
     const struct scene_state *q = at->q;
     const enum contact_regime present = (enum contact_regime)q->contact[contact].regime;
     const struct contact_shape shape = scene_contact_shape(q, contact);
-    const bool has_ends = relative_path_has_ends(&shape);
+    const bool has_ends = scene_ends_suddenly(at->v, contact);
     struct prediction found = {no_change(present, true), horizon, 0};
-    if (contact_is_coupled(q, contact) ||
-        (contact_pushes(q, contact) && (scene_turns(at->v) || !scene_ends_suddenly(at->v, contact)))) {
+    if (contact_is_coupled(q, contact) || (contact_pushes(q, contact) && (scene_turns(at->v) || !has_ends))) {
         return found;
     }
     if (SCENE_ANY_ADVANCEMENT && contact_advances(at->v, contact)) {

@@ -126,7 +126,8 @@ double root_in_bracket(root_function *f, const void *data, double low, double hi
     return root_from(f, data, low, high, value < 0.0 ? 1.0 : -1.0, 0.5 * (low + high));
 }
 
-/* A few steps of Newton's method from the secant, as long as they stay inside. */
+/* Between two extrema, as of an oscillation, the guess is that of half a cosine. Else it is a few steps of
+ * Newton's method from the secant, as long as they stay inside. */
 double root_guess(struct root_bracket_end low, struct root_bracket_end high)
 {
     const double length = high.s - low.s;
@@ -134,8 +135,9 @@ double root_guess(struct root_bracket_end low, struct root_bracket_end high)
     const double rise = high.value - low.value;
     const double third = length * (low.slope + high.slope) - 2.0 * rise;
     const double second = rise - slope - third;
-    double x = -low.value / rise;
-    for (int i = 0; i < 3; ++i) {
+    const bool extrema = low.slope == 0.0 && high.slope == 0.0;
+    double x = extrema ? acos((low.value + high.value) / rise) / PI : -low.value / rise;
+    for (int i = 0; i < 3 && !extrema; ++i) {
         const double value = low.value + x * (slope + x * (second + x * third));
         const double next = x - value / (slope + x * (2.0 * second + 3.0 * x * third));
         if (!(next > 0.0 && next < 1.0)) {

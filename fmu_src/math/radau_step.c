@@ -305,8 +305,9 @@ struct radau_error radau_step_error(const struct radau_step *p)
         if (!isfinite(of[s * n])) {
             return (struct radau_error){(double)INFINITY, (double)INFINITY};
         }
-        last = fmax(last, fmax(fabs(of[s * n]), fabs(of[(s - 1) * n])) * p->weight[j]);
-        before = fmax(before, fmax(fabs(of[(s - apart) * n]), fabs(of[(s - apart - 1) * n])) * p->weight[j]);
+        last = larger(larger(fabs(of[s * n]), fabs(of[(s - 1) * n])) * p->weight[j], last);
+        before =
+            larger(larger(fabs(of[(s - apart) * n]), fabs(of[(s - apart - 1) * n])) * p->weight[j], before);
     }
     const double ratio = before > 0.0 ? fmin(last / before, 1.0) : 0.0;
     return (struct radau_error){last * pow(ratio, DECREASE_WITHIN), last * pow(ratio, DECREASE_AT_END)};
@@ -332,7 +333,7 @@ static int coefficients_worth(const struct radau_step *p, const double *of)
         double largest = 0.0;
         for (int j = 0; j < p->others; ++j) {
             const int i = p->other[j];
-            largest = fmax(largest, fabs(p->chebyshev[k * p->stride + i] * of[k]) * p->weight[i]);
+            largest = larger(fabs(p->chebyshev[k * p->stride + i] * of[k]) * p->weight[i], largest);
         }
         best = largest < least ? k : best;
         least = fmin(least, largest);

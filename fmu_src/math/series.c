@@ -85,7 +85,7 @@ double taylor_at(const double *a, int terms, double s)
     return even * square + a[0] + odd * s;
 }
 
-void taylor_derivatives(const double *a, int terms, double s, double out[3])
+void taylor_derivatives(const double *a, int terms, double s, double out[restrict 3])
 {
     out[0] = out[1] = out[2] = 0.0;
     for (int i = terms - 1; i >= 0; --i) {

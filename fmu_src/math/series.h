@@ -40,7 +40,7 @@ double taylor_divide(const double *a, const double *b, const double *q, int orde
 double taylor_at(const double *a, int terms, double s);
 
 /* Writes the value of the series at s and its first two derivatives. */
-void taylor_derivatives(const double *a, int terms, double s, double out[3]);
+void taylor_derivatives(const double *a, int terms, double s, double out[restrict 3]);
 
 /* Returns the first place up to `end` at which the series falls through zero; INFINITY: it does not. */
 double taylor_first_fall(const double *a, int terms, double end);

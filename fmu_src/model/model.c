@@ -1,6 +1,5 @@
 #include "model/model.h"
 
-#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -174,25 +173,6 @@ CONTACT_NOINLINE static bool value_in_range(const struct scene_values *values, c
     }
     const double value = variable_value(row, values);
     return isfinite(value) && (row->causality == VARIABLE_OUTPUT || (value >= row->min && value <= row->max));
-}
-
-/* Whether all doubles from one member up to another have a magnitude of at most `most`. */
-static bool all_within(const void *from, const void *to, double most)
-{
-    const char *end = to;
-    for (const char *at = from; at < end; at += sizeof(double)) {
-        double value;
-        memcpy(&value, at, sizeof value);
-        if (!(fabs(value) <= most)) {
-            return false;
-        }
-    }
-    return true;
-}
-
-static bool all_finite(const void *from, const void *to)
-{
-    return all_within(from, to, DBL_MAX);
 }
 
 /* Whether a quaternion is an orientation, that is of unit length to rounding. Before the end of

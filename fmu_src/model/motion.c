@@ -20,7 +20,7 @@ static const bool SUMS_UP_STEPS = HAS_contact_mean_force || HAS_contact_peak_for
 void motion_shown(const struct scene_state *q, struct scene_state *settled, struct scene_instant *at)
 {
     if (!SCENE_ANY_FREE) {
-        scene_state_copy(q, settled);
+        *settled = *q; /* scene_state_copy may leave out the start of bodies that do not turn */
         prescribed_settle(settled);
     }
     scene_now(SCENE_ANY_FREE ? q : settled, at);
@@ -239,6 +239,24 @@ bool motion_defer(struct model *m, double end_time)
         m->outputs = OUTPUTS_NONE;
     }
     return true;
+}
+
+bool all_within(const void *from, const void *to, double most)
+{
+    const char *end = to;
+    for (const char *at = from; at < end; at += sizeof(double)) {
+        double value;
+        memcpy(&value, at, sizeof value);
+        if (!(fabs(value) <= most)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+bool all_finite(const void *from, const void *to)
+{
+    return all_within(from, to, DBL_MAX);
 }
 
 bool motion_is_finite(const struct scene_state *q)

@@ -37,15 +37,15 @@ static const char *unknown_reason(const struct model *m, const struct variable *
            "communication step; other outputs can be read)";
 }
 
-static double put_history(struct scene_values *v, const struct scene_state *q, int contact)
+/* Sets the outputs of a contact over a step or the run. */
+static void put_history(struct scene_values *v, const struct scene_state *q, int contact)
 {
     const struct contact_state *state = &q->contact[contact];
     const struct contact_impulses *now = &state->physics.impulse;
     const struct contact_impulses *mark = &state->record.impulse_mark;
     const struct vec3 impulse = vec3_sub(now->force, mark->force);
     const bool touching = state->regime != REGIME_APART;
-    const struct vec3 mean = mean_of(impulse, q->step_length);
-    put_contact_mean_force(v, contact, mean);
+    put_contact_mean_force(v, contact, mean_of(impulse, q->step_length));
     if (SCENE_ANY_TURNING) {
         put_contact_mean_source_torque(
             v, contact, mean_of(vec3_sub(now->source_torque, mark->source_torque), q->step_length));
@@ -58,14 +58,12 @@ static double put_history(struct scene_values *v, const struct scene_state *q, i
     put_contact_last_onset_time(v, contact, state->record.onset_time);
     put_contact_last_duration(v, contact,
                               touching ? q->clock - state->record.touch_clock : state->record.last_duration);
-    const double known = peaks_are_known(state) ? 0.0 : (double)INFINITY;
-    return mean.x + mean.y + mean.z + state->peaks.force + state->peaks.penetration + known;
 }
 
 /* Sets the energies [J], or one of their coefficients along a path. `friction` holds what friction and its
- * springs take. Returns the total energy. */
-static double put_energies(struct scene_values *v, const struct scene_energies *energy, double dissipated,
-                           double external_work, double friction)
+ * springs take. */
+static void put_energies(struct scene_values *v, const struct scene_energies *energy, double dissipated,
+                         double external_work, double friction)
 {
     const double total = energy->kinetic + energy->potential + energy->stored + dissipated - external_work +
                          (energy->rotational + friction);
@@ -78,7 +76,6 @@ static double put_energies(struct scene_values *v, const struct scene_energies *
     put_energy_dissipated(v, dissipated);
     put_energy_external_work(v, external_work);
     put_energy_total(v, total);
-    return total;
 }
 
 static void put_counters(struct scene_values *v, const struct scene_state *q)
@@ -95,23 +92,6 @@ static void put_counters(struct scene_values *v, const struct scene_state *q)
         put_solver_largest_island(v, islands.largest);
     }
 #endif
-}
-
-/* Sets the energies, the counters and the contact outputs over a step or the run. Returns a sum that is
- * finite only if all of them are. */
-static double show_motion(struct scene_values *v, const struct scene_instant *at)
-{
-    const struct scene_state *q = at->q;
-    double sum = 0.0;
-    if (SCENE_ANY_FREE) {
-        const struct scene_energies energy = scene_energies_of(at);
-        sum = put_energies(v, &energy, q->dissipated, q->external_work, q->friction_energy);
-        put_counters(v, q);
-    }
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        sum += put_history(v, q, j);
-    }
-    return sum;
 }
 
 bool model_has_derivatives(const struct variable *variable)
@@ -133,60 +113,6 @@ static bool sticks(const struct scene_values *v, const struct scene_state *q, co
                : vec3_norm(at->turning.slip[contact]) < q->contact[contact].parameters.slip_velocity;
 }
 
-static double put_rubbing(struct scene_values *v, const struct scene_instant *at, int contact)
-{
-    const struct turning_instant *turning = &at->turning;
-    const int source = contact_source(contact);
-    const struct vec3 centre = vec3_add(body_center(v, source), at->displacement[source]);
-    const struct vec3 friction = turning->friction_force[contact];
-    put_contact_sticking(v, contact, sticks(v, at->q, at, contact));
-    put_contact_friction_force(v, contact, friction);
-    put_contact_slip_velocity(v, contact, turning->slip[contact]);
-    put_contact_source_point(v, contact, vec3_add(centre, turning->source_arm[contact]));
-    put_contact_source_torque(v, contact, turning->source_torque[contact]);
-    put_contact_destination_torque(v, contact, turning->destination_torque[contact]);
-    if (SCENE_ANY_ROLLING) {
-        const struct vec3 spin = turning_spin(at, contact);
-        const struct vec3 n = at->geometry[contact].normal;
-        const double along = vec3_dot(spin, n);
-        put_contact_rolling_torque(v, contact, turning->resistance[contact]);
-        put_contact_rolling_rate(v, contact, vec3_axpy(spin, -along, n));
-        put_contact_spinning_rate(v, contact, scene_contact_side(at->q, contact) * along);
-    }
-    return vec3_norm(friction) + vec3_norm(turning->slip[contact]) +
-           vec3_norm(turning->source_torque[contact]) + vec3_norm(turning->destination_torque[contact]);
-}
-
-/* Sets the sums of the forces and torques of the contacts of a compound body about its centre of mass. */
-static void put_contact_sums(struct scene_values *v, int body, struct contact_load sum)
-{
-    put_body_contact_force(v, body, sum.force);
-    put_body_contact_torque(v, body, sum.torque);
-}
-
-/* Sets the outputs of bodies that turn and contacts that rub. Returns a sum of them, which is finite only if
- * every output is. */
-static double show_turning(struct scene_values *v, const struct scene_instant *at)
-{
-    double sum = 0.0;
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        const struct body_turn *turn = &at->turning.body[i];
-        const bool rests = SCENE_ANY_ROTATION && !body_turns(v, i);
-        const struct quaternion orientation = rests ? turning_start_orientation(v, i) : turn->orientation;
-        put_body_angular_velocity(v, i, turn->angular_velocity);
-        put_body_orientation(v, i, orientation);
-        put_body_current_axis(v, i, quaternion_third_axis(orientation));
-        if (body_is_compound(i)) {
-            put_contact_sums(v, i, scene_load_on(at, i));
-        }
-        sum += vec3_norm(turn->angular_velocity);
-    }
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        sum += put_rubbing(v, at, j);
-    }
-    return sum;
-}
-
 /* Returns coefficient `order` of the output `distance`, for a capped cylinder that of the distance from its
  * axis in every zone. */
 static double distance_term(const struct contact_shape *shape, const struct contact_jet *jet, int order)
@@ -201,11 +127,19 @@ static double distance_term(const struct contact_shape *shape, const struct cont
     return order > 0 && !(rho[0] > 0.0) ? 0.0 : rho[order];
 }
 
+/* Returns coefficient `order` of the position of a body. */
+static struct vec3 position_term(const struct scene_values *v, const struct scene_jet *along, int body,
+                                 int order)
+{
+    const struct vec3 displacement = along->displacement[body][order];
+    return order == 0 ? vec3_add(body_center(v, body), displacement) : displacement;
+}
+
 /* Sets coefficient `order` of the outputs of a body. */
 static void put_body_terms(struct scene_values *v, const struct scene_jet *along, int body, int order)
 {
     put_body_displacement(v, body, along->displacement[body][order]);
-    put_body_position(v, body, along->displacement[body][order]);
+    put_body_position(v, body, position_term(v, along, body, order));
     put_body_velocity(v, body, along->velocity[body][order]);
     put_body_angular_velocity(v, body, along->angular_velocity[body][order]);
     put_body_orientation(v, body, along->orientation[body][order]);
@@ -215,7 +149,9 @@ static void put_body_terms(struct scene_values *v, const struct scene_jet *along
         put_body_current_axis(v, body, axis[order]);
     }
     if (body_is_compound(body)) {
-        put_contact_sums(v, body, jet_load_on(along, body, order));
+        const struct contact_load load = jet_load_on(along, body, order);
+        put_body_contact_force(v, body, load.force);
+        put_body_contact_torque(v, body, load.torque);
     }
 }
 
@@ -252,8 +188,10 @@ static void put_contact_terms(struct scene_values *v, const struct scene_instant
     const struct vec3 arm = SCENE_ANY_TURNING
                                 ? along->turning[contact].source_arm[order]
                                 : vec3_scale(shape.side * shape.source_radius, jet->normal[order]);
-    const struct vec3 source_point = vec3_add(along->displacement[contact_source(contact)][order], arm);
-    put_contact_gap(v, contact, within ? jet->gap[order] : 0.0);
+    const struct vec3 source_point =
+        vec3_add(position_term(at->v, along, contact_source(contact), order), arm);
+    const double beyond = order == 0 ? contact_gap_beyond_ends(at->v, contact) : 0.0;
+    put_contact_gap(v, contact, within ? jet->gap[order] : beyond);
     put_contact_gap_rate(v, contact, within ? jet->gap_rate[order] : 0.0);
     put_contact_distance(v, contact, distance_term(&shape, jet, order));
     put_contact_direction(v, contact, contact_direction_of(&shape, &turned));
@@ -270,20 +208,18 @@ static void put_contact_terms(struct scene_values *v, const struct scene_instant
 }
 
 /* Sets the factors of a contact's law, the diagonal of its box [m] and v_0 [m/s], or the slopes of all of
- * them. Returns a sum that is finite only if the factors are. */
-static double put_factors(struct scene_values *v, int contact, const struct contact_law *law, double diagonal,
-                          double slip_velocity)
+ * them. */
+static void put_factors(struct scene_values *v, int contact, const struct contact_law *law, double diagonal,
+                        double slip_velocity)
 {
-    const struct contact_coefficients none = {0.0, 0.0};
-    const struct contact_coefficients linear = contact_coefficients_of(law, REGIME_COMPRESSION);
-    const struct contact_coefficients hertz = contact_is_hertz(law) ? contact_factors_of(law) : none;
-    put_contact_effective_penalty_factor(v, contact, linear.k);
-    put_contact_effective_viscous_penalty_factor(v, contact, linear.c);
-    put_contact_effective_hertz_stiffness(v, contact, hertz.k);
-    put_contact_effective_hunt_crossley_factor(v, contact, hertz.c);
+    const struct contact_coefficients of = contact_factors_of(law, REGIME_COMPRESSION);
+    const bool is_hertz = contact_is_hertz(law);
+    put_contact_effective_penalty_factor(v, contact, is_hertz ? 0.0 : of.k);
+    put_contact_effective_viscous_penalty_factor(v, contact, is_hertz ? 0.0 : of.c);
+    put_contact_effective_hertz_stiffness(v, contact, is_hertz ? of.k : 0.0);
+    put_contact_effective_hunt_crossley_factor(v, contact, is_hertz ? of.c : 0.0);
     put_contact_effective_slip_velocity(v, contact, slip_velocity);
     put_contact_diagonal(v, contact, diagonal);
-    return linear.k + linear.c + (hertz.k + hertz.c);
 }
 
 void output_terms(const struct model *m, const struct scene_instant *at, const struct scene_jet *along,
@@ -312,42 +248,55 @@ void output_terms(const struct model *m, const struct scene_instant *at, const s
     }
 }
 
-/* Sets the outputs of a contact. Returns a sum that is finite only if all of them are, since products of
- * values within their ranges may be more than a double holds. */
-static double put_contact(struct scene_values *v, const struct scene_instant *at, int contact)
+/* Sets the first coefficients of bodies and contacts to what outputs show at an instant. */
+static void put_instant(const struct scene_instant *at, struct scene_jet *along)
 {
-    const struct contact_geometry *g = &at->geometry[contact];
-    const struct contact_shape shape = scene_shape_met(at, contact);
-    const int source = contact_source(contact);
-    const struct vec3 centre =
-        vec3_add(vec3_add(body_center(v, source), at->displacement[source]), scene_lever(at, contact, 0));
-    const struct vec3 c = at->separation[contact];
-    const struct vec3 across = vec3_axpy(c, -vec3_dot(c, shape.solid.axis), shape.solid.axis);
-    /* for a capped cylinder it is the distance from its axis in every zone */
-    const double distance = contact_is_capped(&shape) ? vec3_norm(across) : g->distance;
-    const struct contact_law law = scene_contact_law(at->q, contact);
+    const struct turning_instant *now = &at->turning;
+    jet_begin(at, along);
+    for (int i = 0; SCENE_ANY_ROTATION && i < SCENE_BODIES; ++i) { /* also where nothing turns */
+        along->orientation[i][0] = now->body[i].orientation;
+    }
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const struct contact_geometry *g = &at->geometry[j];
+        const struct contact_shape shape = scene_shape_met(at, j);
+        const struct contact_law law = scene_contact_law(at->q, j);
+        const enum contact_regime regime = (enum contact_regime)at->q->contact[j].regime;
+        const double force = contact_normal_force_of(&law, regime, g->gap, g->gap_rate);
+        along->contact[j] = (struct contact_jet){
+            .separation = {at->separation[j]},
+            .axis = {shape.solid.axis},
+            .normal = {g->normal},
+            .distance = {g->distance},
+            .gap = {g->gap},
+            .gap_rate = {g->gap_rate},
+            .normal_force = {force},
+            .source_force = {contact_rubs(at->v, j) ? at->source_force[j]
+                                                    : vec3_scale(-shape.side * force, g->normal)}};
+        if (SCENE_ANY_TURNING) {
+            along->turning[j] = (struct turning_jet){.source_arm = {now->source_arm[j]},
+                                                     .friction_force = {now->friction_force[j]},
+                                                     .source_torque = {now->source_torque[j]},
+                                                     .destination_torque = {now->destination_torque[j]},
+                                                     .spin = {turning_spin(at, j)},
+                                                     .resistance = {now->resistance[j]},
+                                                     .motion = {{now->slip[j]}}};
+        }
+    }
+}
+
+/* Sets the outputs of a contact that have no derivatives, and the parameters that follow from others. */
+static void put_contact_state(struct scene_values *v, const struct scene_instant *at, int contact)
+{
     const struct contact_state *state = &at->q->contact[contact];
-    const enum contact_regime regime = (enum contact_regime)state->regime;
-    const bool within = scene_shown_within(at, contact, &shape);
-    const double force = contact_normal_force_of(&law, regime, g->gap, g->gap_rate);
-    const double factors =
-        put_factors(v, contact, &law, state->parameters.diagonal, state->parameters.slip_velocity);
-    put_contact_gap(v, contact, within ? g->gap : contact_gap_beyond_ends(v, contact));
-    put_contact_gap_rate(v, contact, within ? g->gap_rate : 0.0);
-    put_contact_distance(v, contact, distance);
-    put_contact_direction(v, contact, contact_direction_of(&shape, g));
-    const struct vec3 foot =
-        contact_is_skew(&shape) ? vec3_add(centre, contact_foot(&shape, at->separation[contact])) : centre;
-    put_contact_point(v, contact, vec3_axpy(foot, g->distance - shape.other_radius, g->normal));
-    put_contact_active(v, contact, regime != REGIME_APART);
-    put_contact_within_extents(v, contact, within);
+    const struct contact_shape shape = scene_shape_met(at, contact);
+    const struct contact_law law = scene_contact_law(at->q, contact);
+    put_contact_active(v, contact, state->regime != (int32_t)REGIME_APART);
+    put_contact_within_extents(v, contact, scene_shown_within(at, contact, &shape));
     put_contact_zone(v, contact, (int32_t)zones_shown(at, contact));
-    const struct vec3 source_force =
-        contact_rubs(v, contact) ? at->source_force[contact] : vec3_scale(-shape.side * force, g->normal);
-    put_contact_normal_force(v, contact, force);
-    put_contact_source_force(v, contact, source_force);
-    put_contact_destination_force(v, contact, vec3_scale(-1.0, source_force));
-    return force + distance + g->gap_rate + factors;
+    if (SCENE_ANY_TURNING) {
+        put_contact_sticking(v, contact, sticks(v, at->q, at, contact));
+    }
+    put_factors(v, contact, &law, state->parameters.diagonal, state->parameters.slip_velocity);
 }
 
 static void warn_of_missing_direction(struct model *m, const struct scene_instant *at)
@@ -382,16 +331,28 @@ static void update_all(struct model *m)
     struct scene_values *v = &m->state.values;
     struct scene_state settled;
     struct scene_instant at;
-    double sum = 0.0;
+    struct scene_jet shown;
+    m->outputs = OUTPUTS_ALL;
     motion_shown(&m->state.motion, &settled, &at);
+    put_instant(&at, &shown);
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        put_body_terms(v, &shown, i, 0);
+    }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         m->state.motion.contact[j].physics.normal = at.geometry[j].normal;
-        sum += put_contact(v, &at, j);
+        put_contact_terms(v, &at, &shown, j, 0);
+        put_contact_state(v, &at, j);
+        put_history(v, at.q, j);
+        if (!peaks_are_known(&at.q->contact[j])) { /* model_read has to look at each output by itself */
+            m->outputs = OUTPUTS_BODIES;
+        }
     }
-    sum += show_motion(v, &at) + (SCENE_ANY_TURNING ? show_turning(v, &at) : 0.0);
+    if (SCENE_ANY_FREE) {
+        const struct scene_energies energy = scene_energies_of(&at);
+        put_energies(v, &energy, at.q->dissipated, at.q->external_work, at.q->friction_energy);
+        put_counters(v, at.q);
+    }
     warn_of_missing_direction(m, &at);
-    /* If some output is not finite, model_read has to look at each by itself. */
-    m->outputs = isfinite(sum) ? OUTPUTS_ALL : OUTPUTS_BODIES;
 }
 
 bool model_update_outputs(struct model *m, enum outputs wanted)
@@ -472,5 +433,6 @@ bool model_get_reals(struct model *m, const struct variable_list *list, size_t c
             *values++ = from[k];
         }
     }
-    return values == end;
+    /* products of values within their ranges may be more than a double holds */
+    return values == end && (m->outputs < OUTPUTS_ALL || all_finite(end - count, end));
 }

@@ -24,24 +24,21 @@ static bool open_linear_model(struct model *m, struct linear_model *l)
     return taken;
 }
 
-static enum model_status check_finite(const struct model *m, const struct variable *variable, double value)
+/* Sets a multiple of the derivative of a variable along the path, whose outputs have the `terms`. No input
+ * changes a state at once. */
+static enum model_status put_derivative(const struct model *m, const struct linear_model *l,
+                                        const struct scene_values *terms, const struct variable *variable,
+                                        double times, double *value)
 {
-    return isfinite(value)
+    const bool is_rate = variable->causality == VARIABLE_RATE;
+    *value = times * (is_rate                       ? model_exchange_rate(&l->at, &l->along, variable)
+                      : variable_is_local(variable) ? 0.0
+                                                    : variable_value(variable, terms));
+    return isfinite(*value)
                ? MODEL_OK
                : model_report(m, MODEL_DISCARD,
                               "A derivative of %s is beyond the range of numbers (allowed: finite).",
                               variable->name);
-}
-
-/* Returns the derivative of a variable along the path, whose outputs have the `terms`. No input changes a
- * state at once. */
-static double derivative_in(const struct scene_values *terms, const struct linear_model *l,
-                            const struct variable *variable)
-{
-    if (variable_is_local(variable)) {
-        return variable->causality == VARIABLE_RATE ? model_exchange_rate(&l->at, &l->along, variable) : 0.0;
-    }
-    return variable_value(variable, terms);
 }
 
 enum model_status model_get_output_derivatives(struct model *m, const struct variable_list *outputs,
@@ -62,8 +59,7 @@ enum model_status model_get_output_derivatives(struct model *m, const struct var
          status == MODEL_OK && (one = next_variable(outputs, one, &place)) != NULL;) {
         /* a derivative is the Taylor coefficient times order!, which is the order for 1 and 2 */
         const int order = orders[place - 1];
-        *values = order * derivative_in(&terms[order], &l, one);
-        status = check_finite(m, one, *values++);
+        status = put_derivative(m, &l, &terms[order], one, order, values++);
     }
     return status;
 }
@@ -131,14 +127,7 @@ static void vary_laws(const struct model *m, struct linear_model *l)
 /* Begins a path along which nothing changes yet. */
 static void begin_path(const struct model *m, struct linear_model *l)
 {
-    memset(&l->along, 0, sizeof l->along);
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        l->along.velocity[i][0] = l->at.velocity[i];
-        if (SCENE_ANY_TURNING) {
-            l->along.angular_velocity[i][0] = l->at.turning.body[i].angular_velocity;
-            l->along.orientation[i][0] = l->at.turning.body[i].orientation;
-        }
-    }
+    jet_begin(&l->at, &l->along);
     if (SCENE_ANY_TURNING) {
         l->along.jumps = !m->host.exchange && scene_is_force_element(&m->state.values);
     }
@@ -163,23 +152,22 @@ static void finish_path(const struct model *m, struct linear_model *l)
 }
 
 /* Computes the changes of the unknowns along the path. Without seeds, `values` takes them one by one; with
- * seeds, *values becomes the sum of the changes, each times its seed. */
+ * seeds, *values grows by the sum of the changes, each times its seed. */
 static enum model_status put_changes(const struct model *m, struct linear_model *l,
                                      const struct variable_list *unknowns, const double *seed, double *values)
 {
     enum model_status status = MODEL_OK;
     size_t place = 0;
     struct scene_values terms;
-    double sum = 0.0;
+    double change;
     finish_path(m, l);
     output_terms(m, &l->at, &l->along, 1, &terms);
     for (const struct variable *one = NULL;
          status == MODEL_OK && (one = next_variable(unknowns, one, &place)) != NULL;) {
-        const double change = derivative_in(&terms, l, one);
-        sum += seed ? *seed++ * change : 0.0;
-        *values = seed ? sum : change;
-        values += seed ? 0 : 1;
-        status = check_finite(m, one, change);
+        status = put_derivative(m, l, &terms, one, 1.0, seed ? &change : values++);
+        if (seed) {
+            *values += *seed++ * change;
+        }
     }
     return status;
 }

@@ -164,6 +164,10 @@ enum model_status motion_advance(struct model *m, const struct step_request *req
 bool motion_defer(struct model *m, double end_time);
 void motion_catch_up(struct model *m);
 
+/* Whether all doubles from one place up to another have a magnitude of at most `most`, or are finite. */
+bool all_within(const void *from, const void *to, double most);
+bool all_finite(const void *from, const void *to);
+
 /* Whether the motion of the bodies, its energies and its sums over the last step are finite. */
 bool motion_is_finite(const struct scene_state *q);
 

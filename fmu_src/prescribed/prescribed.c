@@ -878,8 +878,10 @@ double prescribed_integrate(struct scene_state *q, double end, long *budget)
 #endif
 
 /* Most evaluations of the gap in the search for touches and partings of a step. Some dozens are usual; so
- * many take some tenths of a second of computing. */
+ * many take some tenths of a second of computing. Where a body turns about a changing direction, the rotor
+ * makes an evaluation cost as much as TUMBLING_EVALUATION others. */
 static const long SEARCH_BUDGET = 1000000;
+enum { TUMBLING_EVALUATION = 20 };
 
 /* Sets *next to the clock of the next touch or parting, or to `end`. Returns false where the evaluations that
  * the step may take (*s->evaluations) are used up. */
@@ -978,8 +980,8 @@ bool prescribed_over(struct scene_state *q, double length, long panels)
 {
     const double start = q->clock;
     const double end = start + length;
-    long evaluations = SEARCH_BUDGET;
     const double steps = SCENE_ANY_TURNING ? turning_prescribed_steps(q, end) : 0.0;
+    long evaluations = steps > 0.0 ? SEARCH_BUDGET / TUMBLING_EVALUATION : SEARCH_BUDGET;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         struct span s = span_of(q, j, &panels);
         if (!contact_is_prescribed(q->v, j)) {

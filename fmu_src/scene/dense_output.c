@@ -1,5 +1,6 @@
 #include <float.h>
 
+#include "math/compiler.h"
 #include "math/polynomial.h"
 #include "scene/dense_output.h"
 #include "scene/evaluate.h"
@@ -7,7 +8,7 @@
 
 /* An event function on a dense output, or its slope, as the argument of a root finder. */
 struct probe {
-    const struct dense_output *output;
+    struct dense_output *output;
     const struct event_function *what;
     int order; /* of the derivative: 0 or 1 */
 };
@@ -32,11 +33,6 @@ const struct pair_sample *dense_output_at(struct dense_output *w, double s)
     return &w->latest;
 }
 
-/* A place of a segment, and an event function there with its slope and its bend. */
-struct event_place {
-    double s, of[3];
-};
-
 static struct event_place event_place_of(const struct event_function *what, double s,
                                          const struct pair_sample *at)
 {
@@ -45,12 +41,9 @@ static struct event_place event_place_of(const struct event_function *what, doub
         s, {what->factor * terms[0] + what->offset, what->factor * terms[1], what->factor * terms[2]}};
 }
 
-static struct event_place event_place_at(const struct dense_output *w, const struct event_function *what,
-                                         double s)
+static struct event_place event_place_at(struct dense_output *w, const struct event_function *what, double s)
 {
-    struct pair_sample at;
-    w->sampler(w->segment, s, &at);
-    return event_place_of(what, s, &at);
+    return event_place_of(what, s, dense_output_at(w, s));
 }
 
 /* Returns an end of a bracket for a root of the event function (order 0) or of its slope (order 1). */
@@ -70,7 +63,7 @@ static void probe_at(const void *data, double s, double *value, double *slope)
 
 /* Returns the s of the fall through zero between the samples i and i + 1: directly, by way of a minimum, or
  * after a rise from below; else INFINITY. */
-static double fall_between(const struct dense_output *w, const struct event_function *what, int i)
+static double fall_between(struct dense_output *w, const struct event_function *what, int i)
 {
     const struct probe value = {w, what, 0};
     const struct probe slope = {w, what, 1};
@@ -95,10 +88,10 @@ static bool starts_below(const struct dense_output *w, const struct event_functi
 {
     const double first = event_place_of(what, w->s[0], &w->at[0]).of[0];
     const double second = event_place_of(what, w->s[1], &w->at[1]).of[0];
-    return fmax(first, second) <= 0.0 && fmin(first, second) < 0.0;
+    return first <= 0.0 && second <= 0.0 && (first < 0.0 || second < 0.0);
 }
 
-double dense_output_first_event(const struct dense_output *w, const struct event_function *what)
+double dense_output_first_event(struct dense_output *w, const struct event_function *what)
 {
     double fall = (double)INFINITY;
     for (int i = 0; i + 1 < w->count && !(fall < (double)INFINITY); ++i) {
@@ -167,7 +160,7 @@ enum { HALVINGS_TO_TOP = 12 };
 /* Whether there is a top between `low` and `high`. Where the quantity rises or falls at both ends, or comes
  * to rest at `high`, the slope may have the other sign about its extremum between them. Then one end moves to
  * a place where the slope has that sign, and the slope falls through zero between the ends. */
-static bool brackets_top(const struct dense_output *w, const struct event_function *what, bool rests,
+static bool brackets_top(struct dense_output *w, const struct event_function *what, bool rests,
                          struct event_place *low, struct event_place *high)
 {
     const bool falls = low->of[1] <= 0.0 && high->of[1] < 0.0 && low->of[2] > 0.0 && high->of[2] < 0.0;
@@ -188,41 +181,49 @@ static bool brackets_top(const struct dense_output *w, const struct event_functi
     return false;
 }
 
+static struct event_place larger_of(struct event_place a, struct event_place b)
+{
+    return b.of[0] > a.of[0] ? b : a;
+}
+
 /* Returns the larger of `largest` and of the tops between two samples. */
-static double larger_between(const struct dense_output *w, const struct event_function *what,
-                             struct event_place low, struct event_place high, double largest)
+static struct event_place larger_between(struct dense_output *w, const struct event_function *what,
+                                         struct event_place low, struct event_place high,
+                                         struct event_place largest)
 {
     const struct probe slope = {w, what, 1};
     bool rests = rests_flat(&low, &high);
     if (!rests && low.of[1] > 0.0 && high.of[1] < 0.0 &&
-        (is_top(&low) || is_top(&high) || !may_be_larger(w, &low, &high, largest))) {
+        (is_top(&low) || is_top(&high) || !may_be_larger(w, &low, &high, largest.of[0]))) {
         return largest;
     }
     bool found = brackets_top(w, what, rests, &low, &high);
     for (int tops = 0; found && tops < 2; ++tops) { /* the second lies before a double root of the slope */
         high = event_place_at(w, what, root_between(probe_at, &slope, end_of(&low, 1), end_of(&high, 1)));
-        largest = fmax(largest, high.of[0]);
+        largest = larger_of(largest, high);
         rests = rests_flat(&low, &high);
         found = rests && brackets_top(w, what, rests, &low, &high);
     }
     return largest;
 }
 
-double dense_output_largest(const struct dense_output *w, const struct event_function *what,
-                            const struct dense_range *range, double known)
+struct event_place dense_output_largest(struct dense_output *w, const struct event_function *what,
+                                        const struct dense_range *range, double known)
 {
-    const double first = event_place_of(what, range->from, range->first).of[0];
-    double largest = fmax(known, fmax(first, event_place_of(what, range->to, range->last).of[0]));
+    struct event_place largest = {range->from, {known, 0.0, 0.0}};
+    largest = larger_of(largest, event_place_of(what, range->from, range->first));
+    largest = larger_of(largest, event_place_of(what, range->to, range->last));
     for (int i = 0; i + 1 < w->count && w->s[i] < range->to; ++i) {
+        if (w->s[i + 1] <= range->from) {
+            continue;
+        }
         const bool begins = w->s[i] < range->from;
         const bool ends = w->s[i + 1] > range->to;
         const struct event_place low =
             event_place_of(what, begins ? range->from : w->s[i], begins ? range->first : &w->at[i]);
         const struct event_place high =
             event_place_of(what, ends ? range->to : w->s[i + 1], ends ? range->last : &w->at[i + 1]);
-        if (low.s < high.s) {
-            largest = larger_between(w, what, low, high, fmax(largest, high.of[0]));
-        }
+        largest = larger_between(w, what, low, high, larger_of(largest, high));
     }
     return largest;
 }
@@ -294,6 +295,7 @@ void scene_output_note_peaks(struct scene_output *o, double from, double to, int
     struct dense_output *w = &o->output;
     w->sampler = sample_scene;
     w->segment = o;
+    w->latest_s = -1.0; /* the motion may have changed since the last call */
     if (w->count == 0) {
         dense_output_add(w, from);
     }
@@ -310,8 +312,8 @@ void scene_output_note_peaks(struct scene_output *o, double from, double to, int
         }
     }
     const struct dense_range whole = {w->s[0], w->s[last], &w->at[0], &w->at[last]};
-    peaks->penetration = dense_output_largest(w, &dense_output_penetration, &whole, peaks->penetration);
-    peaks->force = dense_output_largest(w, &dense_output_force, &whole, peaks->force);
+    peaks->penetration = dense_output_largest(w, &dense_output_penetration, &whole, peaks->penetration).of[0];
+    peaks->force = dense_output_largest(w, &dense_output_force, &whole, peaks->force).of[0];
     w->s[0] = w->s[last];
     w->at[0] = w->at[last];
     w->count = 1;

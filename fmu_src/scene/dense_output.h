@@ -45,7 +45,7 @@ struct dense_output {
 /* Adds a sample at s, which is larger than all s so far. */
 void dense_output_add(struct dense_output *w, double s);
 
-/* Returns the sample at any s, and keeps it in case that s is asked for again. */
+/* Returns the sample at any s, and keeps it until another s is asked for, as the searches below do. */
 const struct pair_sample *dense_output_at(struct dense_output *w, double s);
 
 /* An event function: factor times quantity + offset. A fall through zero is an event. */
@@ -57,7 +57,7 @@ struct event_function {
 /* Returns the first s at which the event function falls through zero, also after a rise from below. Returns
  * the first sample's s if the function starts below zero and stays there, and INFINITY if there is no
  * event. */
-double dense_output_first_event(const struct dense_output *w, const struct event_function *what);
+double dense_output_first_event(struct dense_output *w, const struct event_function *what);
 
 /* Whether a value exceeds the largest known by so much that a search for a top is worth while. */
 bool dense_output_is_larger(const struct dense_output *w, double value, double largest);
@@ -68,12 +68,18 @@ struct dense_range {
     const struct pair_sample *first, *last;
 };
 
+/* A place of a segment, and an event function there with its slope and its bend. */
+struct event_place {
+    double s, of[3];
+};
+
 /* The quantities that have peaks. */
 extern const struct event_function dense_output_force, dense_output_penetration;
 
-/* Returns the largest value of factor times quantity in a range, or `known` if this is larger. */
-double dense_output_largest(const struct dense_output *w, const struct event_function *what,
-                            const struct dense_range *range, double known);
+/* Returns the place in a range where factor times quantity is largest; if `known` is larger, it is the value
+ * at the place. */
+struct event_place dense_output_largest(struct dense_output *w, const struct event_function *what,
+                                        const struct dense_range *range, double known);
 
 /*
  * The dense output of a contact without a segment: its motion is prescribed, or an integrator computes it

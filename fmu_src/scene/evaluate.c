@@ -263,11 +263,11 @@ static struct body_turn turn_at(const struct scene_state *q, double clock, int b
     if (!SCENE_ANY_ROTATION) {
         return (struct body_turn){quaternion_identity(), vec3_make(0.0, 0.0, 0.0)};
     }
-    struct body_turn turn = q->turning.body[body];
-    /* an importer's integrator may set an angular velocity all the same */
+    /* an importer's integrator may set the turn of a body that does not turn freely all the same */
     if (!body_turns_freely(q->v, body)) {
-        turn.angular_velocity = vec3_make(0.0, 0.0, 0.0);
+        return q->turn_origin[body];
     }
+    struct body_turn turn = q->turning.body[body];
     turn.orientation = quaternion_unit(turn.orientation); /* an importer's integrator lets its length drift */
     return turn;
 }
@@ -992,13 +992,9 @@ double singularity_rate(const struct scene_instant *at, int contact)
 
 double scene_outward_force(const struct scene_instant *at, int contact)
 {
-    const struct contact_geometry *g = &at->geometry[contact];
-    const double rate = singularity_rate(at, contact);
-    if (rate == g->gap_rate) {
-        return at->normal_force[contact];
-    }
     const struct contact_law law = scene_contact_law(at->q, contact);
-    return contact_force(&law, (enum contact_regime)at->q->contact[contact].regime, g->gap, rate);
+    return contact_force(&law, (enum contact_regime)at->q->contact[contact].regime, at->geometry[contact].gap,
+                         singularity_rate(at, contact));
 }
 
 void zones_follow(struct scene_state *q, const struct scene_instant *at, int contact)
@@ -1027,7 +1023,7 @@ bool zones_pass(struct scene_state *q, const struct scene_instant *at, int conta
     /* the integrator of an importer may find the edge late */
     const int next =
         outside > 2.0 * rounding_of_gap(at, contact)
-            ? contact_zone_at(&shape.solid, c)
+            ? contact_zone_at(&shape.solid, 0, c)
             : contact_zone_next(&shape.solid, zone, c, rate_in_destination(at, contact), rounding);
     q->contact[contact].zone = next;
     return contact_zone_jumps(&shape.solid, zone, next, c, at->geometry[contact].distance, rounding);
@@ -1091,12 +1087,7 @@ enum contact_regime scene_regime(const struct scene_instant *at, int contact, bo
     const struct contact_law law = scene_contact_law(at->q, contact);
     const struct contact_shape shape = scene_contact_shape(at->q, contact);
     const struct contact_geometry *g = &at->geometry[contact];
-    double rate;
-    if (SCENE_ANY_CURVED) {
-        rate = singularity_rate(at, contact);
-    } else {
-        rate = g->gap_rate;
-    }
+    const double rate = singularity_rate(at, contact);
     return contact_regime_of(&law, touching ? fmin(g->gap, -DBL_MIN) : g->gap, rate,
                              touching || scene_beyond_ends(&shape, g) <= 0.0);
 }
@@ -1127,7 +1118,7 @@ static double onset_speed(const struct scene_instant *at, int contact)
     struct scene_instant apart = *at;
     scene_forces(NULL, &apart); /* the contact has no force yet */
     const double a = scene_pressing_acceleration(&apart, contact);
-    const double depth = cbrt(pow(a / (contact_factors_of(&law).k * per_mass), 2.0));
+    const double depth = cbrt(pow(a / (contact_factors_of(&law, REGIME_COMPRESSION).k * per_mass), 2.0));
     return sqrt(fmax(speed_squared, 1.2 * a * depth));
 }
 

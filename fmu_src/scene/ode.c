@@ -170,7 +170,8 @@ static void friction_events(const struct scene_instant *at, int contact, double 
     const struct friction_law *law = &laws.rubbing[OPPOSED_SLIP];
     const enum friction_regime regime = laws.rubbing_regime[OPPOSED_SLIP];
     const double force = at->normal_force[contact];
-    const double force_rate = turning_normal_force_rate(at, contact);
+    const bool sticks = contact_has_springs(at->v, contact);
+    const double force_rate = sticks ? turning_normal_force_rate(at, contact) : 0.0;
     for (int i = 0; i < contact_opposed(at->v, contact); ++i) {
         const struct friction_state rubbing = turning_rubbing(at, contact, i);
         out[ode_stick_event(i)] =
@@ -690,15 +691,9 @@ void ode_jacobian(const void *scene_ode, int states, double clock, const double 
     const struct scene_ode *ode = scene_ode;
     struct linearization l = {.ode = ode, .y = y, .states = states, .columns = columns};
     memset(columns, 0, (size_t)states * (size_t)states * sizeof *columns);
-    l.along.first_order = true;
     ode_instant(ode, clock, y, &l.at);
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        l.along.velocity[i][0] = l.at.velocity[i];
-        if (scene_turns(ode->values)) {
-            l.along.orientation[i][0] = l.at.turning.body[i].orientation;
-            l.along.angular_velocity[i][0] = l.at.turning.body[i].angular_velocity;
-        }
-    }
+    jet_begin(&l.at, &l.along);
+    l.along.first_order = true;
     for (int i = 0; i < SCENE_BODIES; ++i) {
         for (int k = 0; ode->layout.body[i] >= 0 && k < 3; ++k) { /* the rate of a place is a velocity */
             columns[(ode->layout.body[i] + 3 + k) * states + ode->layout.body[i] + k] = 1.0;
@@ -751,13 +746,6 @@ void ode_events(const struct scene_ode *ode, double clock, const double *y, doub
     struct scene_instant at;
     ode_instant(ode, clock, y, &at);
     ode_events_at(ode, &at, events);
-}
-
-double ode_event(const struct scene_ode *ode, double clock, const double *y, int event)
-{
-    double events[ODE_EVENTS];
-    ode_events(ode, clock, y, events);
-    return events[event];
 }
 
 enum contact_regime ode_regime_after(const struct scene_state *q, int contact, int event)
@@ -849,24 +837,6 @@ double projection_balance(const struct scene_instant *at)
     return 0.0;
 }
 
-/* Moves the free bodies of a contact apart along the normal, by their inverse masses, until the gap is
- * zero. */
-static void close_gap(struct scene_state *q, int contact)
-{
-    struct scene_instant at;
-    scene_now(q, &at);
-    const int source = contact_source(contact);
-    const int destination = contact_destination(contact);
-    const struct contact_shape shape = scene_contact_shape(q, contact);
-    /* g = side (d - reach): the separation has to grow by -side g along n. */
-    const struct vec3 grow =
-        vec3_scale(-shape.side * at.geometry[contact].gap / scene_inverse_mass(q->v, contact),
-                   at.geometry[contact].normal);
-    q->body[source].moved = vec3_axpy(q->body[source].moved, -body_inverse_mass(q->v, source), grow);
-    q->body[destination].moved =
-        vec3_axpy(q->body[destination].moved, body_inverse_mass(q->v, destination), grow);
-}
-
 /* Returns the impulse j along the normal [N s], positive where it drives the bodies apart, that adds the
  * `missing` energy [J]: j g' + j^2 (1/m_s + 1/m_d) / 2. */
 static double impulse_for(double missing, double gap_rate, double by_both)
@@ -894,10 +864,9 @@ static bool is_integration_error(double missing, const struct scene_energies *en
            fabs(missing) <= fmin(explained, LARGEST_CORRECTION * 0.5 * mass * gap_rate * gap_rate);
 }
 
-/* Gives the bodies of a contact opposite impulses along the normal that restore the energy q->phase_energy.
- * `tolerated` is the integrator's error in a step [m/s]. Nothing is done where this error does not explain
- * the difference of energy, or where rounding explains it. */
-static void restore_energy(struct scene_state *q, int contact, double tolerated)
+/* Nothing is done where the error of a step does not explain the difference of energy, or where rounding
+ * explains it. */
+void projection_end_contact(struct scene_state *q, int contact, double relative, double absolute)
 {
     if (!keeps_energy(q, contact)) {
         return;
@@ -908,10 +877,11 @@ static void restore_energy(struct scene_state *q, int contact, double tolerated)
     const int destination = contact_destination(contact);
     const double by_both = scene_inverse_mass(q->v, contact);
     const double gap_rate = at.geometry[contact].gap_rate;
+    const double speed = vec3_norm(at.rate[contact]);
     const struct scene_energies energy = relative_energy_of(&at, contact);
     const double missing = q->phase_energy - (energy.kinetic + energy.stored + energy.potential);
-    if (!is_integration_error(missing, &energy, 1.0 / by_both, gap_rate, vec3_norm(at.rate[contact]),
-                              tolerated)) {
+    if (!is_integration_error(missing, &energy, 1.0 / by_both, gap_rate, speed,
+                              relative * speed + absolute)) {
         return;
     }
     const struct contact_shape shape = scene_contact_shape(q, contact);
@@ -922,47 +892,4 @@ static void restore_energy(struct scene_state *q, int contact, double tolerated)
         vec3_axpy(q->body[destination].velocity, j * body_inverse_mass(q->v, destination), n);
     struct vec3 *impulse = &q->contact[contact].physics.impulse.force;
     *impulse = vec3_axpy(*impulse, -j, n);
-}
-
-/* Whether a contact ends because the gap opens, and not because the source passes an end of the cylinder. */
-static bool parts_at_gap(const struct scene_ode *ode, const struct scene_instant *at, int contact)
-{
-    const struct contact_shape shape = scene_contact_shape_at(at, contact);
-    const double beyond = scene_beyond_ends(&shape, &at->geometry[contact]);
-    const double gap = fabs(at->geometry[contact].gap);
-    return gap <= 4.0 * ode->offset[contact][ODE_EVENT_GAP] ||
-           (scene_turns(ode->values) && gap <= fabs(beyond));
-}
-
-/* Moves free bodies back along their velocities to a gap of zero. A shift along the normal would change the
- * angular momentum at every impact. The motion goes back by 64 roundings of the clock or of a second at
- * most. */
-static void go_back_to_gap(struct scene_state *q, const struct scene_instant *at, int contact)
-{
-    const struct contact_geometry *g = &at->geometry[contact];
-    const double since = g->gap / g->gap_rate;
-    if (!(g->gap_rate > 0.0) || !(fabs(since) <= 64.0 * DBL_EPSILON * fmax(fabs(q->clock), 1.0))) {
-        return;
-    }
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (body_is_free(at->v, i)) {
-            q->body[i].moved = vec3_axpy(q->body[i].moved, -since, q->body[i].velocity);
-        }
-    }
-}
-
-void projection_end_contact(const struct scene_ode *ode, struct scene_state *q, int contact, double relative,
-                            double absolute)
-{
-    const struct scene_values *v = ode->values;
-    struct scene_instant at;
-    scene_now(q, &at);
-    if (!(scene_inverse_mass(v, contact) > 0.0) || !parts_at_gap(ode, &at, contact)) {
-        return;
-    }
-    if (scene_turns(v)) {
-        go_back_to_gap(q, &at, contact);
-    }
-    close_gap(q, contact);
-    restore_energy(q, contact, relative * vec3_norm(at.rate[contact]) + absolute);
 }

@@ -127,9 +127,6 @@ void ode_jacobian(const void *scene_ode, int states, double clock, const double 
 
 void ode_events(const struct scene_ode *ode, double clock, const double *y, double events[ODE_EVENTS]);
 
-/* Computes one of the event functions. */
-double ode_event(const struct scene_ode *ode, double clock, const double *y, int event);
-
 /* Computes the event functions at the instant `at`. */
 void ode_events_at(const struct scene_ode *ode, const struct scene_instant *at, double events[ODE_EVENTS]);
 
@@ -174,11 +171,9 @@ void turning_friction_events(const struct scene_instant *at, int contact, double
                              double absolute, double offset[ODE_EVENTS_EACH], double events[ODE_EVENTS_EACH]);
 
 /*
- * Invariants at the end of a contact phase (projection methods: Hairer, Lubich, Wanner, Geometric Numerical
- * Integration, chapter IV.4). An integrator keeps them only to its tolerance; along the normal they can be
- * put right exactly, without a change of momentum.
- *
- * The gap is made zero where the bodies part, so that the flight that follows starts outside.
+ * The energy at the end of a contact phase (projection methods: Hairer, Lubich, Wanner, Geometric Numerical
+ * Integration, chapter IV.4). An integrator keeps it only to its tolerance; an impulse along the normal can
+ * put it right exactly, without a change of momentum.
  *
  * The energy of the relative motion of the two bodies is restored to its value at the start of the phase. The
  * terms of this energy are m_red |w|^2 / 2, p_n g^2 / 2, and the potential of gravity where one body is not
@@ -192,10 +187,8 @@ void turning_friction_events(const struct scene_instant *at, int contact, double
  * digits. */
 double projection_balance(const struct scene_instant *at);
 
-/* Closes the gap of a contact that ends at the present of q, and restores the energy q->phase_energy within
- * the error of the speed that a step is allowed. Nothing is done where the source passes an end of the
- * cylinder. */
-void projection_end_contact(const struct scene_ode *ode, struct scene_state *q, int contact, double relative,
-                            double absolute);
+/* Restores the energy q->phase_energy of a contact that ends at the present of q. The speeds of the
+ * integrator have errors of at most relative |w| + absolute [m/s] in a step. */
+void projection_end_contact(struct scene_state *q, int contact, double relative, double absolute);
 
 #endif

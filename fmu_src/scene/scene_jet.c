@@ -34,6 +34,19 @@ static void put_turned(int terms, const struct quaternion q[JET_TERMS], const st
     }
 }
 
+void jet_begin(const struct scene_instant *at, struct scene_jet *along)
+{
+    memset(along, 0, sizeof *along);
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        along->displacement[i][0] = at->displacement[i];
+        along->velocity[i][0] = at->velocity[i];
+        if (scene_turns(at->v)) {
+            along->angular_velocity[i][0] = at->turning.body[i].angular_velocity;
+            along->orientation[i][0] = at->turning.body[i].orientation;
+        }
+    }
+}
+
 void jet_axis_of(const struct scene_jet *along, int body, struct vec3 axis[JET_TERMS])
 {
     const struct vec3 z[JET_TERMS] = {{0.0, 0.0, 1.0}};
@@ -337,18 +350,14 @@ static void put_prescribed(const struct scene_instant *at, int body, struct scen
  * derivative of the angular velocity of a body that turns freely follows by put_turning_changes. */
 static void put_turning_bodies(const struct scene_instant *at, struct scene_jet *along)
 {
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        along->angular_velocity[i][0] = at->turning.body[i].angular_velocity;
-        along->orientation[i][0] = at->turning.body[i].orientation;
-        if (SCENE_ANY_ROTATION) {
-            along->angular_velocity[i][1] = turning_acceleration(at, i);
-            if (body_turn_is_prescribed(at->v, i)) {
-                put_prescribed(at, i, along);
-            } else if (body_turns_freely(at->v, i)) {
-                const struct body_path *path = &at->q->path[i];
-                along->torque[i] = path_slope(path->torque, at->clock);
-                put_orientation(along->angular_velocity[i], along->orientation[i]);
-            }
+    for (int i = 0; SCENE_ANY_ROTATION && i < SCENE_BODIES; ++i) {
+        along->angular_velocity[i][1] = turning_acceleration(at, i);
+        if (body_turn_is_prescribed(at->v, i)) {
+            put_prescribed(at, i, along);
+        } else if (body_turns_freely(at->v, i)) {
+            const struct body_path *path = &at->q->path[i];
+            along->torque[i] = path_slope(path->torque, at->clock);
+            put_orientation(along->angular_velocity[i], along->orientation[i]);
         }
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
@@ -364,12 +373,10 @@ static void put_turning_bodies(const struct scene_instant *at, struct scene_jet 
 /* Puts the bodies' terms from their velocities and accelerations. */
 static void put_bodies(const struct scene_instant *at, struct scene_jet *along)
 {
-    memset(along, 0, sizeof *along);
+    jet_begin(at, along);
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        along->displacement[i][0] = at->displacement[i];
         along->displacement[i][1] = at->velocity[i];
         along->displacement[i][2] = vec3_scale(0.5, at->acceleration[i]);
-        along->velocity[i][0] = at->velocity[i];
         along->velocity[i][1] = at->acceleration[i];
         along->velocity[i][2] = at->q->path[i].velocity[2];
     }
@@ -484,46 +491,38 @@ struct vec3 turning_jet_half_jerk(const struct scene_instant *at, const struct s
     return vec3_scale(0.5, faster[1]);
 }
 
-/* Takes a factor times the part of w along a unit vector away from `across`, in the first two terms. */
-static void take_along(const struct vec3 *unit, const double factor[2], const struct vec3 *w,
-                       struct vec3 across[2])
-{
-    double rate[2], along[2];
-    for (int i = 0; i < 2; ++i) {
-        rate[i] = jet_dot(unit, w, i);
-        along[i] = taylor_multiply(factor, rate, i);
-        across[i] = vec3_sub(across[i], jet_scale(along, unit, i));
-    }
-}
-
 /* Sets n' = T w_g / d + omega_d x n and its change along the path (contact_turning_part). */
 static void put_normal_rate(const struct contact_shape *shape, const struct contact_geometry *g,
                             const struct contact_path *path, const struct contact_jet *jet,
                             struct vec3 rate[2])
 {
-    const double whole[2] = {1.0, 0.0};
-    struct vec3 across[2] = {path->seen[0], path->seen[1]};
+    struct vec3 moved[JET_TERMS], across[JET_TERMS]; /* the rate of the offset, and its part across n */
+    double along[JET_TERMS], rho[JET_TERMS];
     for (int i = 0; i < 2; ++i) {
+        moved[i] = path->seen[i];
         rate[i] = contact_is_skew(shape) ? vec3_make(0.0, 0.0, 0.0)
                                          : turning_jet_cross(path->destination, jet->normal, i);
     }
     if (!contact_turns(shape, g)) {
         return;
     }
-    take_along(jet->normal, whole, path->seen, across);
     if (contact_is_cylinder(shape)) {
-        take_along(path->axis, whole, path->seen, across);
-    }
-    if (contact_is_circle(shape)) {
+        jet_across(2, path->seen, path->axis, moved, along);
+    } else if (contact_is_circle(shape)) { /* the nearest point moves along the circle */
         struct vec3 radial[JET_TERMS], to_axis[JET_TERMS];
-        double axial[JET_TERMS], rho[JET_TERMS];
-        jet_across(path->terms, path->c, path->axis, radial, axial);
+        double shared[2];
+        jet_across(path->terms, path->c, path->axis, radial, along);
         jet_direction(path->terms, radial, rho, to_axis);
         const double part[2] = {g->circumferential_part, -g->circumferential_part * rho[1] / rho[0]};
         const struct vec3 b[2] = {turning_jet_cross(path->axis, to_axis, 0),
                                   turning_jet_cross(path->axis, to_axis, 1)};
-        take_along(b, part, path->seen, across);
+        for (int i = 0; i < 2; ++i) {
+            along[i] = jet_dot(b, path->seen, i);
+            shared[i] = taylor_multiply(part, along, i);
+            moved[i] = vec3_sub(moved[i], jet_scale(shared, b, i));
+        }
     }
+    jet_across(2, moved, jet->normal, across, along);
     const struct vec3 turned = vec3_scale(1.0 / g->distance, across[0]);
     rate[0] = vec3_add(rate[0], turned);
     rate[1] = vec3_axpy(rate[1], 1.0 / g->distance, vec3_axpy(across[1], -jet->distance[1], turned));
@@ -544,8 +543,13 @@ struct vec3 turning_jet_spring_change(const struct scene_instant *at, const stru
     const struct contact_shape shape = scene_shape_met(at, contact);
     const struct contact_path path = path_of(at, along, &shape, contact);
     put_normal_rate(&shape, &at->geometry[contact], &path, jet, rate);
-    return vec3_add(friction_spring_rate_change(&law, regime, &rubbing),
-                    opposed_turned_change((enum opposed)part, rubbing.spring, jet->normal, rate));
+    struct vec3 sum = friction_spring_rate_change(&law, regime, &rubbing);
+    /* opposed_turned is linear in each of its three vectors, of which one changes at a time */
+    for (int i = 0; i < 3; ++i) {
+        sum = vec3_add(sum, opposed_turned((enum opposed)part, rubbing.spring[i == 0], jet->normal[i == 1],
+                                           rate[i == 2]));
+    }
+    return sum;
 }
 
 /* Sets the second-order terms of rotations and springs from contacts known to the first order; without `all`

@@ -44,6 +44,9 @@ struct scene_jet {
     double time[JET_TERMS], dissipated[JET_TERMS], external_work[JET_TERMS];
 };
 
+/* Begins a path through the instant: sets the first terms of the bodies, and all other terms to zero. */
+void jet_begin(const struct scene_instant *at, struct scene_jet *along);
+
 /* Computes the part of one contact, which is not apart, from the bodies and the factors. If `rubs`, this part
  * has the slip, friction and torques. */
 void jet_of_contact(const struct scene_instant *at, int contact, bool rubs, struct scene_jet *along);

@@ -361,7 +361,8 @@ static double half_length_of(const struct scene_values *v, int contact)
 
 bool scene_ends_suddenly(const struct scene_values *v, int contact)
 {
-    return isfinite(half_length_of(v, contact)) && !has_caps(v, contact_destination(contact));
+    return !SCENE_ANY_ENDLESS ||
+           (isfinite(half_length_of(v, contact)) && !has_caps(v, contact_destination(contact)));
 }
 
 struct contact_shape scene_whole_shape(const struct scene_state *q, int contact)

@@ -267,6 +267,11 @@ static void begin_friction(const struct rubbed *r)
     }
     struct friction_state rubbing = turning_rubbing(&at, r->contact, r->part);
     rubbing.normal_force = force;
+    const double size =
+        r->part == OPPOSED_SLIP ? vec3_norm(at.rate[r->contact]) : turning_spin_size(&at, r->contact);
+    if (r->law.damping == 0.0 && vec3_norm(rubbing.slip) <= 8.0 * DBL_EPSILON * size) {
+        rubbing.slip = vec3_make(0.0, 0.0, 0.0); /* rounding gives sliding friction no direction */
+    }
     const enum friction_regime next =
         friction_onset_regime(&r->law, rubbing, turning_normal_force_rate(&at, r->contact));
     *r->regime = (int32_t)next;
@@ -439,14 +444,6 @@ static void note_peaks_of(struct scene_state *q, const struct scene_instant *at)
     }
 }
 
-static inline void note_peaks_of_touching(struct scene_state *q, struct scene_instant *at)
-{
-    if (!scene_is_apart(q)) {
-        scene_forces(NULL, at);
-        note_peaks_of(q, at);
-    }
-}
-
 /* Returns the regime after a jump of n, with which the gap rate jumps too. Positions give the gap, the law
  * gives the regime for the new rate, and the spring of elastic friction begins at rest on the new face. */
 static enum contact_regime regime_at_jump(struct scene_state *q, struct scene_instant *at, int contact)
@@ -477,7 +474,7 @@ void transition_change_regime(struct scene_state *q, int contact, enum contact_r
     const double lasted = q->clock;
     scene_rebase(q);
     scene_kinematics_now(q, at);
-    note_peaks_of_touching(q, at);
+    note_peaks_of(q, at);
     const double before = energy_stored(at);
     at->geometry[contact].gap = gap_at_change(at, contact, regime, lasted);
     q->contact[contact].physics.accumulated_gap = at->geometry[contact].gap;
@@ -489,7 +486,7 @@ void transition_change_regime(struct scene_state *q, int contact, enum contact_r
     q->dissipated += before - energy_stored(at); /* what the stored energy loses by the change */
     counter_add(&q->counters.events, 1);
     begin_phase(q, at);
-    note_peaks_of_touching(q, at);
+    note_peaks_of(q, at);
 }
 
 void transition_change_friction(struct scene_state *q, int contact, enum ode_event event,
@@ -500,7 +497,7 @@ void transition_change_friction(struct scene_state *q, int contact, enum ode_eve
     counter_add(&q->counters.events, 1);
     scene_kinematics_now(q, at);
     begin_phase(q, at);
-    note_peaks_of_touching(q, at);
+    note_peaks_of(q, at);
 }
 
 void transition_settle_regimes(struct scene_state *q, double stored_before, bool starting)
@@ -510,7 +507,7 @@ void transition_settle_regimes(struct scene_state *q, double stored_before, bool
     for (int j = 0; SCENE_ANY_ZONES && j < SCENE_CONTACTS; ++j) {
         if (zones_margin(&at, j) < -rounding_of_gap(&at, j)) { /* the source faces another zone */
             const struct contact_shape shape = scene_contact_shape_at(&at, j);
-            q->contact[j].zone = contact_zone_at(&shape.solid, at.separation[j]);
+            q->contact[j].zone = contact_zone_at(&shape.solid, 0, at.separation[j]);
             scene_now(q, &at);
         }
     }

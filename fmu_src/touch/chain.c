@@ -66,7 +66,8 @@ static double shared_inverse_mass(const struct scene_values *v, int i, int j)
 static bool is_spring(const struct scene_state *q, int contact)
 {
     const struct contact_law law = scene_contact_law(q, contact);
-    return contact_is_elastic(&law) && contact_coefficients_of(&law, REGIME_COMPRESSION).k > 0.0;
+    return contact_is_elastic(&law) && !contact_is_hertz(&law) &&
+           contact_factors_of(&law, REGIME_COMPRESSION).k > 0.0;
 }
 
 static bool chain_add(struct chain *c, const struct scene_instant *at, int contact)
@@ -88,7 +89,7 @@ static bool chain_add(struct chain *c, const struct scene_instant *at, int conta
     c->gap[i] = g->gap;
     c->rate[i] = g->gap_rate;
     c->acceleration[i] = 2.0 * vec3_dot(c->push[i], contact_across(&shape, flight.c[2]));
-    c->root[i] = sqrt(contact_coefficients_of(&law, REGIME_COMPRESSION).k);
+    c->root[i] = sqrt(contact_factors_of(&law, REGIME_COMPRESSION).k);
     const double missing = contact_transmits(at->q, contact) ? c->gap[i] : -c->gap[i];
     c->offset[i] = fmax(missing, 0.0) + rounding_of_gap(at, contact);
     c->rows += 1;

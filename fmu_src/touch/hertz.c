@@ -135,7 +135,7 @@ static bool elastic_solve(struct hertz_elastic *p, const struct contact_pair *fr
 {
     const double k = from->hertz_stiffness / from->reduced_mass;
     const double depth = fmax(-from->gap, 0.0);
-    if (from->chi > 0.0 || from->has_mismatch || !from->is_head_on) {
+    if (from->chi > 0.0 || from->has_mismatch || !from->is_head_on || contact_is_rim(&from->shape)) {
         return false;
     }
     const double rate = pair_gap_derivative(from);
@@ -233,25 +233,6 @@ void hertz_elastic_moments(const void *hertz_elastic, double s, const struct pai
 /* A contact force is negligible if it is less than NO_FORCE times the load. */
 static const double NO_FORCE = 0.5 * DBL_EPSILON;
 
-/* Largest number of halvings of a step. The smallest positive double is 2^-1074, so 1100 halvings reduce a
- * step of up to 2^25 s, about a year, to zero. */
-enum { HALVINGS = 1100 };
-
-/* Whether the force is negligible up to a time after a start at the touch [s], by bounds of penetration and
- * acceleration. */
-static bool coasts_until(const struct contact_pair *from, double time)
-{
-    const double load = pair_load(from) / from->reduced_mass;
-    const double cubic = vec3_norm(from->flight.c[3]) * time;
-    const double quartic = vec3_norm(from->flight.c[4]) * time * time;
-    const double speed = fabs(pair_gap_derivative(from));
-    const double depth = fmax(-from->gap, 0.0) + time * (speed + time * (0.5 * load + cubic + quartic));
-    const double acceleration = load + 6.0 * cubic + 12.0 * quartic;
-    /* the factor is four because penetration, speed and load add one depth each, and the force grows a little
-     * faster than the depth */
-    return depth <= 4.0 * hertz_depth_under(from, NO_FORCE * acceleration);
-}
-
 bool hertz_hardly_parts(const struct contact_pair *from, double speed)
 {
     const double load = pair_pressing_load(from);
@@ -259,31 +240,30 @@ bool hertz_hardly_parts(const struct contact_pair *from, double speed)
 }
 
 /* A series by u = sqrt(delta) cannot begin at rest at the touch, or nearly so: the bodies then coast until
- * the force is no longer negligible. */
+ * the force is no longer negligible. Speed, load and each power of the load's growth add one depth at most
+ * whose force is negligible. */
 double hertz_coasting_time(const struct segment *p)
 {
     const struct contact_pair *from = &p->pair;
     const double load = pair_load(from) / from->reduced_mass;
     const double depth = hertz_depth_under(from, NO_FORCE * load);
-    const double speed = pair_gap_derivative(from);
+    const double speed = fabs(pair_gap_derivative(from));
     if (!(-from->gap <= depth && speed * speed <= 2.0 * load * depth)) {
         return 0.0;
     }
-    double time = p->longest;
-    for (int i = 0; i < HALVINGS && !coasts_until(from, time); ++i) {
-        time *= 0.5;
+    double time = fmin(p->longest, depth / speed);
+    for (int i = 2; i <= SEPARATION_DEGREE; ++i) { /* size t^i is the depth for size i (i - 1) t^(i-2) */
+        const double size = i == 2 ? 0.5 * load : vec3_norm(from->flight.c[i]);
+        const double under = hertz_depth_under(from, NO_FORCE * i * (i - 1) * size);
+        time = fmin(time, pow(under / size, 3.0 / (i + 4)));
     }
     return time;
-}
-
-bool hertz_elastic_applies(const struct segment *p)
-{
-    return contact_is_hertz(&p->pair.law) && p->pair.chi == 0.0 && !contact_is_rim(&p->pair.shape);
 }
 
 bool hertz_elastic_make(struct segment *p)
 {
     struct hertz_elastic *made = &p->as.hertz_elastic;
+    p->work += CLOSED_FORM_WORK;
     if (!elastic_solve(made, &p->pair)) {
         return false;
     }
@@ -433,6 +413,7 @@ bool quasi_static_make(struct segment *p)
 {
     const struct slow_scales scales = slow_scales_of(&p->pair);
     const double accuracy = slow_accuracy(p);
+    p->work += COLLOCATED_WORK;
     const double radians = SLOW_STEP * pow(accuracy / SLOW_FINEST, 1.0 / LOBATTO_MAX);
     pair_timescales_make(&p->scales, &p->pair, &p->flight);
     double step =

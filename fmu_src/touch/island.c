@@ -57,10 +57,9 @@ static void put_law(struct expansion_row *r, const struct scene_instant *at, dou
     const struct contact_geometry *g = &at->geometry[r->contact];
     const enum contact_regime regime = (enum contact_regime)at->q->contact[r->contact].regime;
     r->is_hertz = contact_is_hertz(&law);
-    const struct contact_coefficients of =
-        r->is_hertz ? contact_factors_of(&law) : contact_coefficients_of(&law, regime);
+    const struct contact_coefficients of = contact_factors_of(&law, regime);
     r->k = of.k;
-    r->c = r->is_hertz && regime == REGIME_RESTITUTION ? 0.0 : of.c;
+    r->c = of.c;
     r->by_gap = r->by_rate = r->margin = 0.0;
     if (contact_has_events(&law)) {
         const struct contact_slopes slopes = contact_event_slopes(&law, regime, g->gap, g->gap_rate);

@@ -13,18 +13,16 @@ static bool add_work(struct contact_pair *p, const struct scene_state *q, int bo
 {
     const bool is_free = body_is_free(q->v, body);
     const double factor = sign * p->reduced_mass * (is_free ? body_inverse_mass(q->v, body) : -1.0);
+    const struct vec3 *given = is_free ? q->path[body].force : q->path[body].velocity;
     struct vec3 path[3];
-    if (!is_free && !body_is_prescribed(q->v, body)) {
+    if ((!is_free && !body_is_prescribed(q->v, body)) || path_rests(given)) {
         return true;
     }
-    memcpy(path, is_free ? q->path[body].force : q->path[body].velocity, sizeof path);
+    memcpy(path, given, sizeof path);
     path_shift(path, 3, q->clock);
+    struct vec3 *sum = is_free ? p->force : p->momentum;
     for (int i = 0; i < 3; ++i) {
-        if (is_free) {
-            p->force[i] = vec3_axpy(p->force[i], factor, path[i]);
-        } else {
-            p->momentum[i] = vec3_axpy(p->momentum[i], factor, path[i]);
-        }
+        sum[i] = vec3_axpy(sum[i], factor, path[i]);
         if (!is_free && i > 0) {
             p->force[i - 1] = vec3_axpy(p->force[i - 1], -i * factor, path[i]);
         }
@@ -50,7 +48,7 @@ static void leave_centre(struct contact_pair *p, const struct contact_geometry *
     p->distance = fmax(reach + p->gap, 2.0 * DBL_EPSILON * reach);
     p->gap = p->distance - reach;
     p->rounded = vec3_axpy(vec3_scale(p->distance, p->normal), -1.0, geometry->offset);
-    p->flight.c[0] = p->flight.offset = vec3_scale(p->distance, p->normal);
+    p->flight.c[0] = vec3_scale(p->distance, p->normal);
 }
 
 /* Corrects w so that side n.w is g', and all formulas see one rate. */
@@ -88,14 +86,15 @@ static void take_law(struct contact_pair *p, const struct contact_law *law, enum
                      const struct contact_geometry *geometry)
 {
     p->law = *law;
-    p->coefficients = contact_coefficients_of(law, regime);
+    const struct contact_coefficients factors = contact_factors_of(law, regime);
+    p->coefficients = factors;
     p->chi = p->hertz_stiffness = 0.0;
     if (contact_is_hertz(law)) {
         const struct contact_slopes slopes =
             contact_force_slopes(law, regime, geometry->gap, geometry->gap_rate);
         p->coefficients = (struct contact_coefficients){-slopes.by_gap, -slopes.by_rate};
-        p->hertz_stiffness = contact_factors_of(law).k;
-        p->chi = regime == REGIME_COMPRESSION ? contact_factors_of(law).c : 0.0;
+        p->hertz_stiffness = factors.k;
+        p->chi = factors.c;
     }
 }
 
@@ -266,10 +265,10 @@ static void move_head_on(const struct contact_pair *p, const struct pair_change 
     if (!path_rests(f.force)) {
         q->external_work += flight_work_along(&f, change->time) + vec3_dot(f.force[0], moved);
     }
-    const struct vec3 flown = aside(p, flight_displacement(f.velocity, f.terms, change->time));
+    const struct vec3 flown = flight_displacement(f.velocity, f.terms, change->time);
     const struct vec3 together = path_at(common->velocity, 2, change->time);
     state->moved = vec3_add(state->moved, vec3_add(flown, moved));
-    state->velocity = vec3_add(aside(p, path_at(f.velocity, f.terms, change->time)),
+    state->velocity = vec3_add(path_at(f.velocity, f.terms, change->time),
                                vec3_axpy(together, share * side * change->gap_rate, p->normal));
 }
 
@@ -302,9 +301,7 @@ void pair_apply(const struct contact_pair *p, const struct pair_change *change,
             is_free ? (end == 0 ? -1.0 : 1.0) * p->reduced_mass / body_mass(q->v, ends[end]) : 0.0;
         if (is_free && change->head_on) {
             move_head_on(p, change, q, ends[end], share, &common);
-            continue;
-        }
-        if (is_free) {
+        } else if (is_free) {
             flight_deviate(q, ends[end], change->time, vec3_scale(share, r), vec3_scale(share, r_rate));
         }
     }
@@ -323,9 +320,9 @@ static const double OUT_OF_PLANE = 8.0 * DBL_EPSILON;
 static const double MOSTLY_NORMAL = 0.5;
 
 /* Returns the first tangential direction in which the flight moves; zero where the motion is head-on. */
-static struct vec3 tangent_of(const struct contact_pair *from, int degree)
+static struct vec3 tangent_of(const struct contact_pair *from)
 {
-    for (int i = 1; i <= degree; ++i) {
+    for (int i = 1; i <= from->flight.degree; ++i) {
         const struct vec3 rows[2] = {from->flight.c[i], from->flight.w[i - 1]};
         for (int k = 0; k < 2; ++k) {
             const struct vec3 across = contact_across(&from->shape, rows[k]);
@@ -355,11 +352,8 @@ static bool put_in_frame(const struct frame_flight *flight, struct vec3 a, doubl
 
 struct frame_flight frame_flight_of(const struct contact_pair *from)
 {
-    const int by_c = path_degree(from->flight.c, SEPARATION_DEGREE + 1);
-    const int by_w = 1 + path_degree(from->flight.w, SEPARATION_DEGREE);
-    const int degree = by_c > by_w ? by_c : by_w;
-    struct frame_flight flight = {.frame = {from->normal, tangent_of(from, degree)},
-                                  .degree = degree,
+    struct frame_flight flight = {.frame = {from->normal, tangent_of(from)},
+                                  .degree = from->flight.degree,
                                   .c = {{from->distance, 0.0, 0.0}}};
     const bool at_rim = contact_is_circle(&from->shape);
     bool leaves_plane = false;
@@ -370,7 +364,7 @@ struct frame_flight frame_flight_of(const struct contact_pair *from)
         memcpy(flight.frame, rim.frame, sizeof flight.frame);
         (void)put_in_frame(&flight, from->flight.c[0], flight.c[0]);
     }
-    for (int i = 1; i <= degree; ++i) {
+    for (int i = 1; i <= flight.degree; ++i) {
         const struct vec3 c = contact_across(&from->shape, from->flight.c[i]);
         const struct vec3 w = contact_across(&from->shape, from->flight.w[i - 1]);
         leaves_plane = put_in_frame(&flight, c, flight.c[i]) || leaves_plane;
@@ -491,14 +485,12 @@ bool pair_oscillation_stays_positive(const struct pair_oscillation *p, const str
     return oscillator_envelope_of(o, start, rate).amplitude < what->factor * still + what->offset;
 }
 
-/* Computes the force of a decay as F_n = m_red (g'' - side n.A), because the forces of spring and dashpot
- * nearly cancel. */
-void pair_oscillation_sample(const void *pair_oscillation, double s, struct pair_sample *sample)
+/* Sets a sample by the gap and its first derivatives. Computes the force of a decay as F_n = m_red (g'' -
+ * side n.A), because the forces of spring and dashpot nearly cancel. */
+static inline void sample_of_gap(const struct pair_oscillation *p,
+                                 const double gap[1 + FREE_OSCILLATION_DERIVATIVES],
+                                 struct pair_sample *sample)
 {
-    const struct pair_oscillation *p = pair_oscillation;
-    double gap[1 + FREE_OSCILLATION_DERIVATIVES];
-    double grown[2];
-    motion_at(p, s, grown, gap);
     for (int i = 0; i < 3; ++i) {
         sample->of[PAIR_GAP][i] = gap[i];
         sample->of[PAIR_GAP_RATE][i] = p->rate * gap[i + 1];
@@ -507,6 +499,28 @@ void pair_oscillation_sample(const void *pair_oscillation, double s, struct pair
                 ? contact_linear_force(p->from->coefficients, gap[i], sample->of[PAIR_GAP_RATE][i])
                 : p->dynamic_stiffness * (gap[i + 2] - (i == 0 ? p->load : 0.0));
     }
+}
+
+void pair_oscillation_sample(const void *pair_oscillation, double s, struct pair_sample *sample)
+{
+    double gap[1 + FREE_OSCILLATION_DERIVATIVES];
+    double grown[2];
+    motion_at(pair_oscillation, s, grown, gap);
+    sample_of_gap(pair_oscillation, gap, sample);
+}
+
+void pair_oscillation_sample_extremum(const struct pair_oscillation *p, double s, bool deepest,
+                                      struct pair_sample *sample)
+{
+    const double damping_rate = p->free.oscillator.damping_rate;
+    const double shrunk = damping_rate > 0.0 ? p->omega_d * exp(-0.5 * damping_rate * s) : 1.0;
+    const double y = deepest ? -shrunk * p->amplitude : shrunk * p->amplitude;
+    if (2.0 * fabs(p->equilibrium + y) < fabs(y)) { /* the sum loses digits, which tell whether bodies part */
+        pair_oscillation_sample(p, s, sample);
+        return;
+    }
+    const double gap[1 + FREE_OSCILLATION_DERIVATIVES] = {p->equilibrium + y, 0.0, -y, damping_rate * y};
+    sample_of_gap(p, gap, sample);
 }
 
 /* Returns the energy dissipated [J], by the oscillator's energy balance: p_nv g'^2 = -(m g'^2 / 2 + p_n (g -

@@ -144,8 +144,11 @@ bool pair_oscillation_make(struct pair_oscillation *p, const struct contact_pair
 bool pair_oscillation_stays_positive(const struct pair_oscillation *p, const struct event_function *what);
 
 /* Returns the first s > 0 at which the gap has an extremum. Every quantity has further extrema each half
- * period pi / omega_d. */
+ * period pi / omega_d. The sample at an extremum needs no angle, because |y| there is omega_d times the
+ * amplitude exp(-damping_rate s / 2). */
 double pair_oscillation_first_extremum(const struct pair_oscillation *p);
+void pair_oscillation_sample_extremum(const struct pair_oscillation *p, double s, bool deepest,
+                                      struct pair_sample *sample);
 
 void pair_oscillation_sample(const void *pair_oscillation, double s, struct pair_sample *sample);
 

@@ -80,7 +80,7 @@ static struct contact_coefficients full_coefficients(const struct segment *p)
 {
     const struct contact_law *law = &p->pair.law;
     if (!contact_is_hertz(law)) {
-        return contact_coefficients_of(law, REGIME_COMPRESSION);
+        return contact_factors_of(law, REGIME_COMPRESSION);
     }
     const struct contact_slopes slopes =
         contact_force_slopes(law, REGIME_COMPRESSION, -largest_size(p, PAIR_GAP), 0.0);
@@ -115,7 +115,7 @@ static struct event_function push_margin(const struct segment *p)
         /* The margin 1 - chi g' is 1 at rest, so only rounding needs a hysteresis. Bodies pushed out of a
          * deep overlap move at 1/chi for long. A hysteresis in parts of the load would hold them back by that
          * part of a force far above the load. */
-        const double still = 1.0 / contact_factors_of(law).c;
+        const double still = 1.0 / contact_factors_of(law, REGIME_COMPRESSION).c;
         return (struct event_function){PAIR_GAP_RATE, -sign, sign * still + p->pair.rate_rounding};
     }
     const struct contact_coefficients full = full_coefficients(p);
@@ -205,7 +205,7 @@ static double deepest_of(const struct segment *p)
 }
 
 /* Returns the s at which d = 0 and n reverses; INFINITY where that is not within the segment. */
-static double terminal_event_centre(const struct segment *p)
+static double terminal_event_centre(struct segment *p)
 {
     if (!SCENE_ANY_CURVED || p->clear_of_centre || deepest_of(p) < contact_reach(&p->pair.shape)) {
         return (double)INFINITY;
@@ -236,9 +236,13 @@ static void add_extrema_of_oscillation(struct dense_output *w, const struct pair
     const double half = PI / made->omega_d;
     const double first = pair_oscillation_first_extremum(made);
     const double before = fmax(ceil((w->s[0] - first) / half), 0.0); /* extrema before the sample */
+    const bool closes = made->free.y_rate < 0.0 || (made->free.y_rate == 0.0 && made->free.y > 0.0);
+    bool deepest = closes == (fmod(before, 2.0) == 0.0);
     double extremum = first + before * half;
     for (; w->count < 3 && extremum < end; extremum += half) {
-        dense_output_add(w, extremum);
+        pair_oscillation_sample_extremum(made, extremum, deepest, &w->at[w->count]);
+        w->s[w->count++] = extremum;
+        deepest = !deepest;
     }
     if (w->count < 3) {
         dense_output_add(w, end);
@@ -319,7 +323,7 @@ static void collocated_sample(struct segment *p)
 static const double NEAR_CENTRE = 0.1;
 
 /* Whether local coordinates are accurate throughout the segment. */
-static bool collocated_stays_off_centre(const struct segment *p)
+static bool collocated_stays_off_centre(struct segment *p)
 {
     const struct collocation *step = &p->as.collocation.step;
     return step->from.head_on || p->clear_of_centre ||
@@ -390,7 +394,7 @@ static void pair_bound_sample(const void *pair_bound, double s, struct pair_samp
 static struct dense_output bound_between(const struct segment *p, const struct pair_bound *bound, double from,
                                          double end)
 {
-    struct dense_output w = {pair_bound_sample, bound, p->output.worth_a_search, .count = 0};
+    struct dense_output w = {pair_bound_sample, bound, p->output.worth_a_search, .latest_s = -1.0};
     dense_output_add(&w, from);
     for (int i = 0; i < p->output.count; ++i) {
         const double s = p->output.s[i];
@@ -415,7 +419,7 @@ static double positive_until(const struct segment *p, const struct event_functio
     }
     const struct pair_bound bound =
         pair_bound_of(&p->as.collocation, what->quantity, what->factor > 0.0 ? -1.0 : 1.0);
-    const struct dense_output w = bound_between(p, &bound, 0.0, 2.0);
+    struct dense_output w = bound_between(p, &bound, 0.0, 2.0);
     const double first = what->factor * w.at[0].of[what->quantity][0] + what->offset;
     return first > 0.0 ? fmin(dense_output_first_event(&w, what), 2.0) : 0.0;
 }
@@ -432,20 +436,15 @@ static double event_free_until(const struct segment *p)
     return fmin(parts, positive_until(p, &margin));
 }
 
-/* Whether the motion is head-on under constant acceleration. */
-static bool closed_form_applies(const struct segment *p)
-{
-    return p->pair.is_head_on && !contact_is_rim(&p->pair.shape);
-}
-
-/* Makes the segment over all of p->longest where no event follows. Otherwise the segment lasts a period of
- * the oscillation at most, or as long as the decay. */
+/* Makes a segment of head-on motion under constant acceleration: over all of p->longest where no event
+ * follows. Otherwise the segment lasts a period of the oscillation at most, or as long as the decay. */
 static bool closed_form_make(struct segment *p)
 {
     struct pair_oscillation *made = &p->as.oscillation;
-    if (!pair_oscillation_make(made, &p->pair)) {
+    if (!p->pair.is_head_on || contact_is_rim(&p->pair.shape) || !pair_oscillation_make(made, &p->pair)) {
         return false;
     }
+    p->work += CLOSED_FORM_WORK;
     p->clear_of_centre = p->clear_of_centre || p->pair.coefficients.k > 0.0;
     p->unit = 1.0 / made->rate;
     double end = p->longest / p->unit;
@@ -492,19 +491,18 @@ static double longest_step(const struct segment *p)
     return step;
 }
 
-static bool averaged_applies(const struct segment *p)
-{
-    const struct pair_timescales *scales = &p->scales;
-    /* an oscillation below rounding counts as none, even where no load is left */
-    return collocated_applies(p) && scales->rates.slower >= SEPARATION_OF_RATES * scales->tangential_rate &&
-           scales->oscillation < fmax(scales->equilibrium_depth, terminal_event_gap_noise(&p->pair));
-}
-
 static bool averaged_make(struct segment *p)
 {
     const struct pair_timescales *scales = &p->scales;
+    /* an oscillation below rounding counts as none, even where no load is left */
+    const double small = fmax(scales->equilibrium_depth, terminal_event_gap_noise(&p->pair));
+    if (!collocated_applies(p) || scales->rates.slower < SEPARATION_OF_RATES * scales->tangential_rate ||
+        !(scales->oscillation < small)) {
+        return false;
+    }
     const double d = scales->problem.reach;
     double step = longest_step(p);
+    p->work += COLLOCATED_WORK;
     for (int i = 0; i < ATTEMPTS && step * scales->rates.slower >= COLLOCATED_SHORTEST; ++i) {
         struct pair_collocation *made = &p->as.collocation;
         const bool is_made =
@@ -537,11 +535,6 @@ static const double OVERDAMPED_GROWTH = 4.0;
 /* The slow and the fast decay are treated apart where their rates differ by this factor or more. */
 static const double SEPARATION_OF_DECAYS = 4.0;
 
-static bool overdamped_applies(const struct segment *p)
-{
-    return collocated_applies(p) && !(p->scales.rates.faster < SEPARATION_OF_DECAYS * p->scales.rates.slower);
-}
-
 /* Whether a step is accurate if n and H contain the fast decay, of amplitude `decay` [m], to first order
  * only. */
 static bool overdamped_is_accurate(const struct segment *p, double step, double decay)
@@ -570,6 +563,10 @@ static bool overdamped_try(struct segment *p, double step)
 static bool overdamped_make(struct segment *p)
 {
     const struct pair_timescales *scales = &p->scales;
+    if (!collocated_applies(p) || scales->rates.faster < SEPARATION_OF_DECAYS * scales->rates.slower) {
+        return false;
+    }
+    p->work += COLLOCATED_WORK;
     const double longest = fmin(p->longest, COLLOCATED_SHORTEST / scales->rates.slower);
     double step = pair_step_within(scales, longest, OVERDAMPED_STEP);
     if (pair_tangential_rate_within(scales, step) > 0.0) {
@@ -668,129 +665,73 @@ static const double PLACES_OF_TURN = 4096.0;
  * a period and does not reach its envelope (oscillator_envelope_of). */
 static const double HARDLY_TURNS = 1.0 / 16.0;
 
-/* The search for the largest value of a quantity slow(s) + u(s) of an averaged segment. u oscillates with
- * extrema at omega s = phase + pi n, and is steepest at omega s = phase + steepest + pi n. */
-struct search {
-    const struct segment *p;
-    const struct event_function *what;
-    double omega, phase, steepest;
-    double from, end; /* the search covers s between these places */
-    double largest;   /* value found so far */
-};
+/* The search about a place covers a turn of the oscillation before it and one after it, in thirds of a turn:
+ * the slope has one extremum at most in a third. */
+enum { THIRDS = 3 };
 
-/* The search about a place covers so many half turns of the oscillation before it and after it. */
-enum { HALF_TURNS = 2 };
-
-/* Raises the largest value to the tops next to a place, where the upper bound is `bound`. The slope of u is
- * monotone between two samples, so that the sum has one top there at most. A turn too short to be searched
- * counts with the bound. */
-static void search_about(struct search *f, double place, double bound)
+/* Returns the larger of `known` and of the largest value about a place of an averaged segment. */
+static double largest_about(const struct segment *p, const struct event_function *what,
+                            const struct dense_range *range, double place, double third, double known)
 {
-    const double half = PI / f->omega;
-    const double extremum = place - remainder(f->omega * place - f->phase, PI) / f->omega;
-    struct dense_output w = {f->p->output.sampler, f->p->output.segment, f->p->output.worth_a_search,
-                             .count = 0};
-    if (2.0 * half <= PLACES_OF_TURN * DBL_EPSILON * place) {
-        f->largest = fmax(f->largest, bound);
-        return;
-    }
-    for (int i = -2 * HALF_TURNS; i <= 2 * HALF_TURNS; ++i) {
-        const double beyond = i % 2 == 0 ? 0.0 : f->steepest / f->omega;
-        const double s = fmin(fmax(extremum + floor(0.5 * i) * half + beyond, f->from), f->end);
+    struct dense_output w = {p->output.sampler, p->output.segment, p->output.worth_a_search,
+                             .latest_s = -1.0};
+    for (int i = -THIRDS; i <= THIRDS; ++i) {
+        const double s = fmin(fmax(place + i * third, range->from), range->to);
         if (w.count == 0 || s > w.s[w.count - 1]) {
             dense_output_add(&w, s);
         }
     }
     const int last = w.count - 1;
-    const struct dense_range range = {w.s[0], w.s[last], &w.at[0], &w.at[last]};
-    f->largest = dense_output_largest(&w, f->what, &range, f->largest);
+    const struct dense_range searched = {w.s[0], w.s[last], &w.at[0], &w.at[last]};
+    return dense_output_largest(&w, what, &searched, known).of[0];
 }
 
-/* Returns where an upper bound is highest between its samples i and i + 1, to half a turn or to the last
- * digit. */
-static double highest_between(const struct search *f, const struct dense_output *bound, int i)
-{
-    const enum pair_quantity quantity = f->what->quantity;
-    const double factor = f->what->factor;
-    const double *first = bound->at[i].of[quantity];
-    const double *last = bound->at[i + 1].of[quantity];
-    double low = bound->s[i];
-    double high = bound->s[i + 1];
-    if (!(factor * first[1] > 0.0 && factor * last[1] < 0.0)) { /* no top between them */
-        return factor * last[0] > factor * first[0] ? high : low;
-    }
-    double middle = 0.5 * (low + high);
-    while (high - low > PI / f->omega && middle > low && middle < high) {
-        struct pair_sample at;
-        bound->sampler(bound->segment, middle, &at);
-        *(factor * at.of[quantity][1] > 0.0 ? &low : &high) = middle;
-        middle = 0.5 * (low + high);
-    }
-    return middle;
-}
-
-/* Searches for the peak of an oscillation about each place where the upper bound is highest between two of
- * its samples and exceeds the largest value found. A decaying oscillation may not reach the bound. */
-static void search_swinging(struct search *f, const struct dense_output *bound)
-{
-    for (int i = 0; i + 1 < bound->count; ++i) {
-        const struct dense_range range = {bound->s[i], bound->s[i + 1], &bound->at[i], &bound->at[i + 1]};
-        const double most = dense_output_largest(bound, f->what, &range, -(double)INFINITY);
-        if (dense_output_is_larger(bound, most, f->largest)) {
-            search_about(f, highest_between(f, bound, i), most);
-        }
-    }
-}
-
-/* Returns the largest value in a range of an averaged segment. An oscillation too small to be searched for is
- * left out. */
+/* Returns the largest value in a range of an averaged segment whose oscillation has this frequency. The
+ * search is about each place where the upper bound is highest between two of its samples and exceeds the
+ * largest value found: a decaying oscillation may not reach the bound. An oscillation too small to be
+ * searched for is left out, and one whose turns are too short to be searched counts with the bound. */
 static double largest_of_swinging(const struct segment *p, const struct event_function *what, double omega,
                                   const struct dense_range *range, double known)
 {
-    const enum pair_quantity quantity = what->quantity;
-    const double last = what->factor * range->last->of[quantity][0];
-    struct search f = {p, what, omega, 0.0, 0.0, range->from, range->to, fmax(known, last)};
-    struct pair_bound bound = pair_bound_of(&p->as.collocation, quantity, what->factor > 0.0 ? 1.0 : -1.0);
-    double u;
-    double rate;
-    pair_free_oscillation(&p->as.collocation, quantity, &u, &rate);
-    /* the deviation x, of which u is a part, enters the penetration and the force with this sign */
-    const double sign = -p->pair.shape.side;
-    const double decay_rate = bound.envelope.decay_rate;
-    f.steepest = atan2(omega, decay_rate);
-    f.phase = atan2(sign * (rate + decay_rate * u) / omega, sign * u) - atan2(decay_rate, omega);
-    const double swing = bound.envelope.amplitude * exp(-decay_rate * range->from);
+    const double third = 2.0 / 3.0 * PI / omega;
+    const double last = what->factor * range->last->of[what->quantity][0];
+    double largest = fmax(known, last);
+    struct pair_bound bound =
+        pair_bound_of(&p->as.collocation, what->quantity, what->factor > 0.0 ? 1.0 : -1.0);
+    const double swing = bound.envelope.amplitude * exp(-bound.envelope.decay_rate * range->from);
     const bool swings = dense_output_is_larger(&p->output, fabs(last) + swing, fabs(last));
     bound.envelope.amplitude = swings ? bound.envelope.amplitude : 0.0;
-    const struct dense_output w = bound_between(p, &bound, range->from, range->to);
-    const struct dense_range whole = {range->from, range->to, &w.at[0], &w.at[w.count - 1]};
-    const double most = dense_output_largest(&w, what, &whole, -(double)INFINITY);
-    if (!swings) {
-        return fmax(known, most);
+    struct dense_output w = bound_between(p, &bound, range->from, range->to);
+    for (int i = 0; i + 1 < w.count; ++i) {
+        const struct dense_range part = {w.s[i], w.s[i + 1], &w.at[i], &w.at[i + 1]};
+        const struct event_place top = dense_output_largest(&w, what, &part, largest);
+        if (!swings || THIRDS * third <= PLACES_OF_TURN * DBL_EPSILON * top.s) {
+            largest = fmax(largest, top.of[0]);
+        } else if (dense_output_is_larger(&w, top.of[0], largest)) {
+            largest = largest_about(p, what, range, top.s, third, largest);
+        }
     }
-    if (dense_output_is_larger(&w, most, f.largest)) {
-        search_swinging(&f, &w);
-    }
-    return f.largest;
+    return largest;
 }
 
 /* Returns the largest value in a range. The samples of a closed form end after its first extrema; it does not
  * grow, so that two later ones suffice. The nodes do not resolve the oscillation or decay of an averaged
  * step. */
-static double largest_of(const struct segment *p, const struct event_function *what,
+static double largest_of(struct segment *p, const struct event_function *what,
                          const struct dense_range *range, double known)
 {
     const struct oscillator *o = &p->as.collocation.step.result.oscillator;
     const bool goes_on = p->kind == SEGMENT_CLOSED_FORM && range->from > 0.0;
     if (p->kind != SEGMENT_AVERAGED && !goes_on) {
-        return dense_output_largest(&p->output, what, range, known);
+        return dense_output_largest(&p->output, what, range, known).of[0];
     }
     const double decay_square = 0.25 * o->damping_rate * o->damping_rate;
     const double omega_d2 = o->omega2 - decay_square;
     if (!goes_on && omega_d2 > HARDLY_TURNS * decay_square) {
         return largest_of_swinging(p, what, sqrt(omega_d2), range, known);
     }
-    struct dense_output w = {p->output.sampler, p->output.segment, p->output.worth_a_search, .count = 0};
+    struct dense_output w = {p->output.sampler, p->output.segment, p->output.worth_a_search,
+                             .latest_s = -1.0};
     if (goes_on) {
         w.s[0] = range->from;
         w.at[0] = *range->first;
@@ -800,19 +741,15 @@ static double largest_of(const struct segment *p, const struct event_function *w
         add_decay_samples(p, &w, range->from, range->to);
     }
     const struct dense_range whole = {range->from, range->to, &w.at[0], &w.at[w.count - 1]};
-    return dense_output_largest(&w, what, &whole, known);
+    return dense_output_largest(&w, what, &whole, known).of[0];
 }
 
 /* Raises the peaks to those of the segment between two places. */
 static void peaks_note(struct segment *p, struct contact_peaks *peaks, double from, double to)
 {
-    struct pair_sample first;
-    struct dense_range range = {from, to, &p->output.at[0], NULL};
-    if (from > 0.0) {
-        first = *dense_output_at(&p->output, from);
-        range.first = &first;
-    }
-    range.last = dense_output_at(&p->output, to);
+    const struct pair_sample last = *dense_output_at(&p->output, to);
+    const struct pair_sample first = from > 0.0 ? *dense_output_at(&p->output, from) : p->output.at[0];
+    const struct dense_range range = {from, to, &first, &last};
     if (p->pair.coefficients.c > 0.0 || p->pair.chi > 0.0) {
         peaks->penetration = largest_of(p, &dense_output_penetration, &range, peaks->penetration);
         peaks->force = largest_of(p, &dense_output_force, &range, peaks->force);
@@ -848,7 +785,7 @@ static struct torque_lever torque_lever_of(const struct contact_pair *pair)
 {
     const struct contact_shape *shape = &pair->shape;
     struct torque_lever lever = {.moments = 0};
-    for (int i = 0; i <= SEPARATION_DEGREE; ++i) {
+    for (int i = 0; i <= pair->flight.degree; ++i) {
         const struct vec3 flown = pair->flight.c[i];
         struct vec3 *c = &lever.c[i];
         if (contact_is_circle(shape)) {
@@ -873,17 +810,18 @@ struct vec3 segment_lever(const struct contact_pair *pair, const struct pair_cha
 {
     const double t = change->time;
     struct vec3 rate = c[1];
+    const int degree = pair->flight.degree;
     double power = 1.0;
-    for (int i = 2; i <= SEPARATION_DEGREE; ++i) {
+    for (int i = 2; i <= degree; ++i) {
         power *= t;
         rate = vec3_axpy(rate, i * power, c[i]);
     }
-    const struct vec3 at = path_at(c, SEPARATION_DEGREE + 1, t);
+    const struct vec3 at = path_at(c, degree + 1, t);
     struct vec3 sum = vec3_sub(vec3_cross(at, change->r_rate), vec3_cross(rate, change->r));
     if (contact_is_circle(&pair->shape)) {
         sum = vec3_add(sum, vec3_cross(change->r, change->r_rate));
     }
-    for (int j = 0; j < PAIR_MOMENTS; ++j) {
+    for (int j = 0; j + 2 <= degree; ++j) {
         sum = vec3_axpy(sum, (j + 2) * (j + 1), vec3_cross(c[j + 2], moment[j]));
     }
     return sum;
@@ -913,15 +851,14 @@ static void add_torque_impulse(const struct contact_pair *pair, const struct tor
 /* Returns the s at which the centre is no longer beyond the side or the cap. `beyond` is the exact distance
  * at the start [m], from which the sample differs by the segment's tolerance. A centre outside by up to
  * `rounding` counts as within. */
-static double end_of_rim_by(const struct segment *p, enum pair_quantity quantity, double beyond,
-                            double rounding)
+static double end_of_rim_by(struct segment *p, enum pair_quantity quantity, double beyond, double rounding)
 {
     const double missing = beyond - p->output.at[0].of[quantity][0];
     const struct event_function margin = {quantity, 1.0, fmax(missing, 0.0) - rounding};
     return dense_output_first_event(&p->output, &margin);
 }
 
-static double end_at_rim(const struct segment *p)
+static double end_at_rim(struct segment *p)
 {
     const struct contact_solid *solid = &p->pair.shape.solid;
     const double rounding = zone_path_rounding(solid, p->pair.flight.c[0]);
@@ -981,7 +918,7 @@ static void sample_depth_margin(const void *face_path, double s, struct pair_sam
 static double end_by_depth(struct face_path *path, double end)
 {
     const struct event_function margin = {PAIR_GAP, 1.0, 0.0};
-    struct dense_output w = {sample_depth_margin, path, 0.0, .count = 0};
+    struct dense_output w = {sample_depth_margin, path, 0.0, .latest_s = -1.0};
     struct pair_sample start;
     sample_depth_margin(path, 0.0, &start);
     path->raised += 2.0 * fmax(-start.of[PAIR_GAP][0], 0.0);
@@ -1050,43 +987,38 @@ static double zone_longest_inside(const struct segment *p)
     return longest < segment_time(p, p->end) && may_change_face(&path) ? longest : (double)INFINITY;
 }
 
-/* The first kind that applies and can be made is taken. `work` is the cost of making and using a segment, in
- * steps in closed form of 3,000 instructions each: a series or half a period takes 30,000 instructions, a
- * radian of the tangential motion 125,000. A kind without `applies` always applies. For a
- * kind without `time`, the time is unit times s. */
+/* The first kind that can be made is taken. For a kind without `time`, the time is unit times s. */
 static const struct {
-    bool (*applies)(const struct segment *p);
     bool (*make)(struct segment *p);
     dense_output_sampler *sample;
     struct pair_change (*advance)(const void *motion, double s);
     void (*moments)(const void *motion, double s, const struct pair_change *change, int count,
                     struct vec3 *moment);
-    int work;
     void (*time)(const void *motion, double s, double time[3]);
 } kinds[] = {
     /* Head-on oscillation under constant acceleration: the closed form is exact for any time, so it comes
      * first. */
-    [SEGMENT_CLOSED_FORM] = {closed_form_applies, closed_form_make, pair_oscillation_sample,
-                             pair_oscillation_advance, pair_oscillation_moments, 1, NULL},
+    [SEGMENT_CLOSED_FORM] = {closed_form_make, pair_oscillation_sample, pair_oscillation_advance,
+                             pair_oscillation_moments, NULL},
     /* Fast oscillations that are small and clear of g = 0: one step covers as many as the tangential motion
      * allows. */
-    [SEGMENT_AVERAGED] = {averaged_applies, averaged_make, pair_collocation_sample, pair_collocation_advance,
-                          pair_collocation_moments, 40, NULL},
+    [SEGMENT_AVERAGED] = {averaged_make, pair_collocation_sample, pair_collocation_advance,
+                          pair_collocation_moments, NULL},
     /* Contacts far beyond critical damping or without a spring: a segment covers a radian of the tangential
      * motion. */
-    [SEGMENT_OVERDAMPED] = {overdamped_applies, overdamped_make, pair_collocation_sample,
-                            pair_collocation_advance, pair_collocation_moments, 40, NULL},
+    [SEGMENT_OVERDAMPED] = {overdamped_make, pair_collocation_sample, pair_collocation_advance,
+                            pair_collocation_moments, NULL},
     /* All other contacts: soft ones, short remainders of a motion and Hertz's law. A segment
      * covers two radians of the contact's oscillation, of the bodies' passage or of the rim. */
-    [SEGMENT_SERIES] = {NULL, series_make, series_sample, series_advance, series_moments, 10, series_time},
+    [SEGMENT_SERIES] = {series_make, series_sample, series_advance, series_moments, series_time},
 #if SCENE_ANY_HERTZ
     /* Hertz's law after the oscillation has died away: a segment covers a radian of the tangential motion. */
-    [SEGMENT_QUASI_STATIC] = {quasi_static_applies, quasi_static_make, pair_collocation_sample,
-                              pair_collocation_advance, pair_collocation_moments, 40, NULL},
+    [SEGMENT_QUASI_STATIC] = {quasi_static_make, pair_collocation_sample, pair_collocation_advance,
+                              pair_collocation_moments, NULL},
     /* Hertz's law without damping, head-on under constant acceleration: a segment covers all the rest of an
      * impact. */
-    [SEGMENT_HERTZ_ELASTIC] = {hertz_elastic_applies, hertz_elastic_make, hertz_elastic_sample,
-                               hertz_elastic_advance, hertz_elastic_moments, 1, hertz_elastic_time},
+    [SEGMENT_HERTZ_ELASTIC] = {hertz_elastic_make, hertz_elastic_sample, hertz_elastic_advance,
+                               hertz_elastic_moments, hertz_elastic_time},
 #endif
 };
 
@@ -1151,10 +1083,6 @@ static bool make_kind(struct segment *p, enum segment_kind kind)
     p->output.segment = &p->as;
     p->output.count = 0;
     p->output.latest_s = -1.0;
-    if (kinds[kind].applies != NULL && !kinds[kind].applies(p)) {
-        return false;
-    }
-    p->work += kinds[kind].work;
     return kinds[kind].make(p);
 }
 
@@ -1181,7 +1109,7 @@ static double longest_by_flight(const struct segment *p)
 {
     const double flight = p->gap_rounding / DBL_EPSILON;
     double longest = (double)INFINITY;
-    for (int i = 2; i <= SEPARATION_DEGREE; ++i) {
+    for (int i = 2; i <= p->pair.flight.degree; ++i) {
         const double along = fabs(vec3_dot(p->pair.normal, p->pair.flight.c[i]));
         longest = fmin(longest, pow(flight / (SEPARATION_DEGREE * along), 1.0 / i));
     }
@@ -1275,6 +1203,7 @@ void segment_advance(struct segment *p, double from, double s, struct scene_stat
     const int of_work = path_degree(p->pair.force, 3);
     segment_moments(p, s, &change, of_work > lever.moments ? of_work : lever.moments, moment);
     change.head_on = change.head_on && !segment_is_deep(p);
+    state->physics.carried_rate = dense_output_at(&p->output, s)->of[PAIR_GAP_RATE][0];
     if (from < s) {
         peaks_note(p, &state->peaks, from, s);
     }
@@ -1282,7 +1211,6 @@ void segment_advance(struct segment *p, double from, double s, struct scene_stat
         peak_error_note(p, segment_time(p, from), segment_time(p, s), state);
     }
     pair_apply(&p->pair, &change, moment, q, contact);
-    state->physics.carried_rate = dense_output_at(&p->output, s)->of[PAIR_GAP_RATE][0];
     if (SCENE_HAS_TORQUES) {
         add_torque_impulse(&p->pair, &lever, &change, moment, &state->physics.impulse);
     }

@@ -113,19 +113,24 @@ void series_time(const void *pair_series, double s, double time[3])
 void series_sample(const void *pair_series, double s, struct pair_sample *sample)
 {
     const struct pair_series *p = pair_series;
-    double opened[3];
     double *gap = sample->of[PAIR_GAP];
     double *rate = sample->of[PAIR_GAP_RATE];
-    taylor_derivatives(opened_of(p), TAYLOR_TERMS, s, opened);
     taylor_derivatives(p->row.rate, TAYLOR_TERMS, s, rate);
     if (goes_by_u(p)) {
+        double opened[3];
+        taylor_derivatives(p->terms.pace.row, TAYLOR_TERMS, s, opened);
         gap[0] = -opened[0] * opened[0];
         gap[1] = -2.0 * opened[0] * opened[1];
         gap[2] = -2.0 * (opened[1] * opened[1] + opened[0] * opened[2]);
         pair_hertz_force(p->from, opened, rate, sample->of[PAIR_FORCE]);
     } else {
+        gap[0] = taylor_at(p->row.gap, TAYLOR_TERMS, s);
+        gap[1] = p->terms.unit * rate[0];
+        gap[2] = p->terms.unit * rate[1];
+        if (SCENE_ANY_PRESCRIBED && p->row.mismatch != NULL) {
+            taylor_derivatives(p->row.gap, TAYLOR_TERMS, s, gap);
+        }
         for (int i = 0; i < 3; ++i) {
-            gap[i] = opened[i];
             sample->of[PAIR_FORCE][i] = contact_linear_force(p->from->coefficients, gap[i], rate[i]);
         }
     }
@@ -217,6 +222,7 @@ static bool goes_by_root(struct segment *p)
 bool series_make(struct segment *p)
 {
     struct pair_series *made = &p->as.series;
+    p->work += SERIES_WORK;
     const bool by_root = goes_by_root(p); /* may shorten p->longest */
     begin_series(made, &p->pair, &p->flight, by_root);
     const double *opened = opened_of(made);

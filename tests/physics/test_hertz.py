@@ -215,8 +215,7 @@ def test_derivatives_are_those_of_the_formula(opened, dashpot, control):
     """The force is differentiated by place and speed, and up to twice by time, before and after its peak."""
     fmu = opened("SphereSphere")
     for instant in (0.021, 0.0262):
-        start(fmu, prescribed(dashpot, control) | {"contact.characteristic_time": 0.9}, 1e-10)
-        fmu.step(instant)
+        run(fmu, prescribed(dashpot, control) | {"contact.characteristic_time": 0.9}, instant, 1, 1e-10)
         chi = fmu["contact.effective_hunt_crossley_factor"]
         acts = dashpot != "approach_only" or instant < 0.025
 

@@ -7,7 +7,7 @@ from scipy.optimize import brentq
 from contact_fmus.bench.instructions import instructions
 from contact_fmus.fmu.contact_fmu import ContactFmu
 from contact_fmus.fmu.host import Case
-from support.checks import METHODS, check_close, start
+from support.checks import METHODS, check_close, run, start
 from support.reference.chain import velocities
 from support.reference.islands import Islands
 from support.reference.kept import kept
@@ -195,8 +195,7 @@ def test_fixed_bodies_that_overlap_press_while_a_ball_bounces_and_rubs(opened_se
     fmu, ends = opened_several("Islands"), []
     for height in (1e3, 0.09):
         values = {"ball[2].center": [2.0, 0.0, height]}
-        start(fmu, bouncing("regularized", [1], 1e4, (1, 1, 1, 1, 1, 1)) | values, 1e-9)
-        fmu.step(0.3)
+        run(fmu, bouncing("regularized", [1], 1e4, (1, 1, 1, 1, 1, 1)) | values, 0.3, 1, 1e-9)
         ends.append(np.hstack([fmu["ball[1].velocity"], fmu["ball[1].angular_velocity"]]))
     check_close("mean force", fmu["land[2].mean_force"], [0.0, 0.0, 100.0], 1e-9)
     check_close("motion", ends[1], ends[0], 1e-8)
@@ -217,8 +216,7 @@ def test_a_ball_that_spin_drives_while_it_bounces_meets_its_neighbour(opened_sev
     values |= {"touch[1,2].method": "penalty", "touch[1,2].penalty_factor": 1e5}
     fmu, ends = opened_several("Islands"), {}
     for method in METHODS[:2]:
-        start(fmu, values, 1e-10, method)
-        fmu.step(0.1)
+        run(fmu, values, 0.1, 1, 1e-10, method)
         ends[method] = np.hstack([fmu[f"ball[{i}].{u}"] for i in (1, 2) for u in ("position", "velocity")])
     assert fmu["touch[1,2].onsets"] == 1
     check_close("motion", ends["event_driven"], ends["cvode_bdf"], 1e-7)

@@ -82,10 +82,8 @@ def pressed(shape, location, dashpot, stiffness, share):
     values |= {"source.external_force": (FORCE * inward).tolist()}
     values |= {"source.external_force.derivatives": [(-RATE * inward).tolist()]}
     values |= {"contact.method": "penalty_dynamic", "contact.dashpot": dashpot}
-    values |= {
-        "contact.penalty_factor": stiffness,
-        "contact.viscous_penalty_factor": damping(stiffness, share),
-    }
+    values |= {"contact.penalty_factor": stiffness}
+    values |= {"contact.viscous_penalty_factor": damping(stiffness, share)}
     return values
 
 
@@ -126,3 +124,11 @@ def test_a_body_drawn_off_leaves_its_small_impulse(opened, shape, end):
     check_close("velocity", fmu["source.velocity"], impulse / mass * ACROSS, 1e-8 * impulse / mass)
     check_close("work", fmu["energy.external_work"], -energy, 1e-8 * energy)
     check_close("last_duration", fmu["contact.last_duration"], depth / speed, 1e-8 * depth / speed)
+
+
+def test_a_load_takes_off_a_body_that_touches_at_1e_12_m_per_s(opened, shape):
+    values = head_on(shape, "outside", gap=0.0, speed=1e-12, contact_penalty_factor=1e3)
+    values |= {"source.mass": 1.0, "source.external_force": ACROSS.tolist()}
+    fmu = run(opened(FMU[shape]), values, 0.1, 1, 1e-9, METHOD)
+    check_close("velocity", fmu["source.velocity"], 0.1 * ACROSS, 1e-11)
+    assert fmu["contact.last_duration"] < 1e-11

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from contact_fmus.fmu.contact_fmu import FmuError
-from support.checks import check_close, start
+from support.checks import check_close, run
 
 
 def test_a_step_beyond_the_range_of_numbers_is_refused_and_nothing_is_lost(opened, method):
@@ -35,8 +35,7 @@ def test_a_contact_is_met_however_long_the_step(opened, method, motion, step):
             "source.prescribed_velocity": velocity,
             "source.prescribed_displacement.derivatives": [velocity],
         }
-    fmu = start(opened("SphereSphere"), values, 1e-9, method)
-    fmu.step(step)
+    fmu = run(opened("SphereSphere"), values, step, 1, 1e-9, method)
     assert fmu["contact.onsets"] == 1
     check_close("onset", fmu["contact.last_onset_time"], 2.0 - math.sqrt(0.6**2 - 0.3**2), 1e-14)
     assert fmu["contact.last_duration"] > 1e-3

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from contact_fmus.fmu.contact_fmu import ContactFmu, FmuError, Status
-from support.checks import check_close, start
+from support.checks import check_close, run, start
 from support.reference.integrator import TunedMotion
 
 STEP = 5e-4  # s
@@ -228,8 +228,7 @@ def test_the_solver_goes_on_with_another_limit_and_tolerance(opened):
     assert fmu["solver.relative_tolerance"] == 1e-11
     fmu.step(0.03 - coarse)
     assert fmu["solver.steps"] > 10 * steps
-    exact = start(opened("SphereSphere"), BALL, 1e-12, "event_driven")
-    exact.step(0.03)
+    exact = run(opened("SphereSphere"), BALL, 0.03, 1, 1e-12, "event_driven")
     position = exact["source.position"].copy()
     check_close("position", fmu["source.position"], position, 1e-6)
 

@@ -82,8 +82,7 @@ def test_two_spheres_may_change_their_roles(opened, method, scene):
 
 # Exponents of metre, kilogram and second for what a configuration and its results are measured in.
 DIMENSIONS = TABLE["dimensions"] | {"position": (1, 0, 0), "absolute_tolerance": (1, 0, 0)}
-DIMENSIONS |= {"force": (1, 1, -2)}
-DIMENSIONS |= {"duration": (0, 0, 1), "dissipated": (2, 1, -2)}
+DIMENSIONS |= {"force": (1, 1, -2), "duration": (0, 0, 1), "dissipated": (2, 1, -2)}
 
 
 def unit_factor(name, metre, second, kilogram):

@@ -62,6 +62,14 @@ def test_a_ball_that_a_dashpot_has_stopped_causes_no_more_events(geometry, dashp
 SOLID = ("sphere outside", "cylinder outside")
 
 
+@pytest.mark.parametrize("damping", [1e-6, 1e-5, 1e-4])
+@pytest.mark.parametrize("geometry", SOLID)
+def test_a_weak_dashpot_without_a_spring_keeps_its_digits(geometry, damping):
+    """The parts of its closed form nearly cancel."""
+    weak = HeadOn(geometry=geometry, law="viscous_only", dashpot="unclamped", damping=damping, end=0.5)
+    check_right(Scene("viscous only", damping, weak, steps=(1, 7)))
+
+
 @pytest.mark.parametrize("law", ["undamped", "non_adhesive", "unclamped", "approach_only"])
 @pytest.mark.parametrize("depth, speed", [(1.1, 1e5), (2.0, 1e6), (1e3, 1e4), (1e6, 1e6), (1e9, 1e3)])
 @pytest.mark.parametrize("geometry", SOLID)

@@ -36,7 +36,7 @@ static void sample_all(struct dense_output *w)
 static struct dense_output random_output(struct random *r, dense_output_sampler *sampler, const void *segment,
                                          double widest)
 {
-    struct dense_output w = {.sampler = sampler, .segment = segment};
+    struct dense_output w = {.sampler = sampler, .segment = segment, .latest_s = -1.0};
     w.count = 2 + random_index(r, DENSE_OUTPUT_POINTS - 1);
     w.s[0] = random_index(r, 2) == 0 ? 0.0 : random_between(r, 0.0, 1.0);
     for (int i = 1; i < w.count; ++i) {
@@ -112,7 +112,7 @@ TEST(the_first_fall_of_a_wave_is_found)
     int fallen = 0, begun = 0, none = 0;
     for (int k = 0; k < 20000; ++k) {
         struct waves waves;
-        const struct dense_output w = random_waves(&r, &waves);
+        struct dense_output w = random_waves(&r, &waves);
         const struct watched_wave wave = random_event_function(&r, &waves, &w, 1.3);
         const double expected = expected_fall(&wave, &w);
         const double got = dense_output_first_event(&w, &wave.what);
@@ -141,7 +141,7 @@ TEST(the_largest_value_of_a_wave_is_found_in_any_range)
     struct random r = {2};
     for (int k = 0; k < 20000; ++k) {
         struct waves waves;
-        const struct dense_output w = random_waves(&r, &waves);
+        struct dense_output w = random_waves(&r, &waves);
         const struct watched_wave wave = random_event_function(&r, &waves, &w, 3.0);
         const double last = w.s[w.count - 1];
         struct dense_range range;
@@ -152,7 +152,7 @@ TEST(the_largest_value_of_a_wave_is_found_in_any_range)
         sample_waves(&waves, range.to, &last_sample);
         range.first = &first;
         range.last = &last_sample;
-        CHECK_CLOSE("largest", dense_output_largest(&w, &wave.what, &range, -(double)INFINITY),
+        CHECK_CLOSE("largest", dense_output_largest(&w, &wave.what, &range, -(double)INFINITY).of[0],
                     expected_largest(&wave, &w, &range),
                     64.0L * DBL_EPSILON * wave.size * (1.0 + wave.rate * last));
     }
@@ -175,7 +175,7 @@ static void sample_parabola(const void *parabola, double s, struct pair_sample *
 static double fall_seen_from(const struct parabola *p, double second)
 {
     const struct event_function gap = {PAIR_GAP, 1.0, 0.0};
-    struct dense_output w = {.sampler = sample_parabola, .segment = p, .count = 3, .s = {0.0, second, 2.0}};
+    struct dense_output w = {sample_parabola, p, .count = 3, .s = {0.0, second, 2.0}, .latest_s = -1.0};
     sample_all(&w);
     return dense_output_first_event(&w, &gap);
 }

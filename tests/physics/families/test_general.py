@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from support.checks import check_close, start
+from support.checks import check_close, run, start
 from support.scenes.agreement import SUMS, Scene, answer, check_agreement, pick, seeds
 from support.scenes.turning_scenes import any_resistance
 
@@ -182,8 +182,7 @@ def test_impacts_by_hertz_law_that_overlap_are_those_of_each_plane(opened_severa
     fmu = opened_several("BallInCorner")
     values = {"ball.center": [0.1 + gap, 0.12, 1.0], "ball.initial_velocity": [-1.0, -1.0, 0.0]}
     values |= {f"{one}.{name}": value for one in CORNER["contacts"] for name, value in HERTZ.items()}
-    start(fmu, values, 1e-9)
-    fmu.step(0.2)
+    run(fmu, values, 0.2, 1, 1e-9)
     lasts = 2.943275184 * (1.25 / HERTZ["hertz_stiffness"]) ** 0.4
     check_close("velocity", fmu["ball.velocity"], [1.0, 1.0, 0.0], 1e-11)
     check_close("place", fmu["ball.position"][:2], 0.1 + 0.2 - lasts - np.array([gap, 0.02]), 1e-9 * lasts)
@@ -198,8 +197,7 @@ def test_a_ball_on_an_oblique_plane_bounces_as_on_a_level_one(opened, tolerance)
         values = {"source.radius": 0.01, "source.center": list(0.06 * normal), "source.rotation": "free"}
         values |= {"destination.axis": list(normal), "gravity": list(-9.81 * normal)}
         values |= {"contact.friction": "regularized", "solver.max_internal_steps": FEW_STEPS}
-        fmu = start(opened("SpherePlane"), values, tolerance)
-        fmu.step(0.2)
+        fmu = run(opened("SpherePlane"), values, 0.2, 1, tolerance)
         heights.append(normal @ fmu["source.position"])
         assert np.max(np.abs(fmu["source.angular_velocity"])) <= 1e-12
         assert fmu["solver.steps"] < 20

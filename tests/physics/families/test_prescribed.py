@@ -254,8 +254,7 @@ def test_a_force_element_in_the_plane_of_an_open_end_agrees_with_itself(opened, 
 def test_the_dashpot_is_clipped_as_the_source_leaves_by_a_rim(opened):
     values = straight([-1.0, 0.0, 0.55], [1.0, 0.0, 0.0]) | {"destination.axis": [0.0, 0.0, 1.0]}
     values |= {"destination.finite_length": True, "destination.ends": "capped"}
-    fmu = start(opened("SphereCylinder"), values, 1e-10)
-    fmu.step(2.0)
+    fmu = run(opened("SphereCylinder"), values, 2.0, 1, 1e-10)
     check_close("mean force", fmu["contact.mean_force"], [-3.422391823, 0.0, 27254.663548], 1e-5)
     check_close("dissipated", fmu["energy.dissipated"], 6.844783647, 1e-8)
 

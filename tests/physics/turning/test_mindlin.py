@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from support.checks import check_close, check_relative, run, start
+from support.checks import check_close, check_relative, run
 from support.exchange_runs import check_exchange
 from support.reference.turning import follow
 from support.scenes.scene_checks import FMU
@@ -49,8 +49,7 @@ def test_the_elongation_midway_is_that_of_the_closed_form(opened):
     slip, ratio = 0.4, 2 / 7
     depth = (1.25 * MASS * SPEED**2 / K_H) ** 0.4
     lasts = 2 * depth / SPEED * math.sqrt(math.pi) * math.gamma(1.4) / math.gamma(0.9)
-    fmu = start(opened(FMU["plane"]), impact(ratio, 1e9, slip), 1e-12)
-    fmu.step(0.01 / SPEED + 0.5 * lasts)
+    fmu = run(opened(FMU["plane"]), impact(ratio, 1e9, slip), 0.01 / SPEED + 0.5 * lasts, 1, 1e-12)
     check_relative("depth", -fmu["contact.gap"], depth, 1e-10)
     spring = 0.8 * depth * slip / SPEED
     force = 1.5 * ratio * K_H * math.sqrt(depth) * spring
@@ -101,8 +100,7 @@ def test_it_sticks_at_the_touch_where_the_spring_grows_more_slowly_than_its_limi
     """K v_t < mu k_h (1 + chi v_n) v_n, of two forces that both grow with the power 1.5 of time."""
     ratio, mu = 0.8, 0.3
     slip = factor * mu * (1 + damping * SPEED) * SPEED / (1.5 * ratio)
-    fmu = start(opened(FMU["plane"]), impact(ratio, mu, slip, damping), 1e-10, method)
-    fmu.step(0.01 / SPEED + 1e-6)
+    fmu = run(opened(FMU["plane"]), impact(ratio, mu, slip, damping), 0.01 / SPEED + 1e-6, 1, 1e-10, method)
     assert fmu["contact.active"] and bool(fmu["contact.sticking"]) == sticks
 
 
@@ -126,8 +124,7 @@ def test_the_automatic_ratio_is_that_of_the_materials(opened, shape):
     if shape == "sphere":  # along the surface, and deep enough to feel no curvature in 2e-5 m
         values |= {"source.prescribed_velocity": [0.0, 0.0, 0.0], "destination.rotation": "prescribed"}
         values["destination.prescribed_angular_velocity"] = [0.0, -slip / (0.5 - depth), 0.0]
-    fmu = start(opened(FMU[shape]), values, 1e-10)
-    fmu.step(time)
+    fmu = run(opened(FMU[shape]), values, time, 1, 1e-10)
     tangential = 4 * shear / modulus * 1.5 * fmu["contact.effective_hertz_stiffness"] * math.sqrt(depth)
     if shape != "cylinder":
         curved = 1 / 0.1 + (0.0 if shape == "plane" else 1 / 0.5)

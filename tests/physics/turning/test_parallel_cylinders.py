@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from contact_fmus.fmu.contact_fmu import FmuError
-from support.checks import check_close, start
+from support.checks import check_close, run, start
 from support.reference.pressed import CylinderPair, pressed, state_of, unit
 from support.scenes.agreement import seeds
 
@@ -107,8 +107,7 @@ def test_without_friction_a_cylinder_hits_as_a_sphere_of_its_radius_does(opened)
     values |= {"destination.axis": [0.0, 1.0, 0.0]}
     found = []
     for name, more in (("SphereCylinder", {}), ("CylinderCylinder", {"source.axis": [0.0, -3.0, 0.0]})):
-        fmu = start(opened(name), values | more, 1e-10)
-        fmu.step(0.5)
+        fmu = run(opened(name), values | more, 0.5, 1, 1e-10)
         found.append([*fmu["source.position"], *fmu["source.velocity"], fmu["contact.peak_force"]])
     assert found[0][-1] > 1e3
     assert found[0] == found[1]
@@ -122,8 +121,7 @@ def test_contact_lasts_while_the_cylinders_overlap_in_length(opened):
         "source.initial_velocity": [0.0, 1.0, 0.0], "contact.method": "penalty", "source.finite_length": True,
         "source.length": 0.4, "destination.finite_length": True, "destination.length": 1.0,
     }  # fmt: skip
-    fmu = start(opened("CylinderCylinder"), values, 1e-10)
-    fmu.step(0.9)
+    fmu = run(opened("CylinderCylinder"), values, 0.9, 1, 1e-10)
     check_close("after 0.2 s of fall", fmu["source.position"][2], 0.6 - 9.81e-6 - 0.5 * 9.81 * 0.04, 1e-9)
     check_close("contact ended", fmu["contact.last_duration"], 0.7, 1e-9)
 
@@ -159,7 +157,6 @@ def test_a_torque_across_the_axis_turns_nothing(opened):
     values = {"source.rotation": "free", "source.center": [0.0, 0.0, 5.0]}
     values |= {"source.external_torque": [3.0, 0.01, -2.0]}
     for method in METHODS:
-        fmu = start(opened("CylinderCylinder"), values, 1e-10, method)
-        fmu.step(0.3)
+        fmu = run(opened("CylinderCylinder"), values, 0.3, 1, 1e-10, method)
         check_close("rate", fmu["source.angular_velocity"], [0.0, 0.3 * 0.01 / (0.5 * 0.1**2), 0.0], 1e-9)
         check_close("work", fmu["energy.rotational"], fmu["energy.external_work"], 1e-9)

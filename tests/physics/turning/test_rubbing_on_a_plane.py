@@ -9,7 +9,7 @@ import math
 import numpy as np
 import pytest
 
-from support.checks import check_close, differences, run, start
+from support.checks import check_close, differences, run
 from support.reference.turning import follow
 from support.scenes.agreement import Scene, check_agreement, seeds
 from support.scenes.turning_checks import TurningFmuRun, rows
@@ -153,8 +153,7 @@ def test_a_load_along_the_plane_that_begins_and_ends_is_followed(opened):
     """A push of 2 N for a tenth of a second on a ball that rolls: the general segment takes that time."""
     values = thrown("linear", "free", 1e3)[0] | {"source.center": [0.0, 0.0, R - M * G / 1e6]}
     values |= {"source.initial_velocity": [0.5, 0.0, 0.0], "source.initial_angular_velocity": [0.0, 5.0, 0.0]}
-    fmu = start(opened("SpherePlane"), values, 1e-10)
-    fmu.step(0.1)
+    fmu = run(opened("SpherePlane"), values, 0.1, 1, 1e-10)
     assert fmu["solver.fallbacks"] == 0
     fmu["source.external_force"] = [2.0, 0.0, 0.0]
     fmu.step(0.1)

@@ -10,7 +10,7 @@ from scipy.optimize import brentq, lsq_linear
 
 from contact_fmus.fmu.contact_fmu import FmuError
 from contact_fmus.stability.motions import elliptic_stiffness
-from support.checks import check_close, check_relative, start
+from support.checks import check_close, check_relative, run, start
 from support.exchange_runs import simulate
 from support.fmi3 import raw
 from support.reference.pressed import CylinderPair, first_state, pressed, state_of, unit
@@ -128,8 +128,7 @@ def test_a_bounce_between_the_ends_takes_segments(opened, seed):
     names = ("contact.mean_source_torque", "contact.mean_destination_torque")
     torques = []
     for method, tolerance in (("event_driven", 1e-10), ("cvode_bdf", 1e-12)):
-        fmu = start(opened("CylinderCylinder"), scene.values(), tolerance, method)
-        fmu.step(scene.end)
+        fmu = run(opened("CylinderCylinder"), scene.values(), scene.end, 1, tolerance, method)
         torques.append(np.concatenate([fmu[name] for name in names]))
         if method == "event_driven":
             assert fmu["solver.fallbacks"] == 0 < fmu["contact.onsets"]
@@ -223,14 +222,19 @@ def test_no_touch_of_a_long_flight_is_missed(opened, first):
             low, high = (low, high - third) if gap(low + third) < gap(high - third) else (low + third, high)
         if abs(gap(low)) < 1e-8:
             continue  # a graze, which rounding decides
-        fmu = start(opened("CylinderCylinder"), scene.values() | {"gravity": [0.0, 0.0, 0.0]}, 1e-8)
-        fmu.step(low)
+        fmu = run(opened("CylinderCylinder"), scene.values() | {"gravity": [0.0, 0.0, 0.0]}, low, 1, 1e-8)
         assert fmu["contact.onsets"] == (gap(low) < 0.0), seed
         if gap(low) < 0.0:
             touches += 1
             onset = fmu["contact.last_onset_time"]
             check_close(f"{seed}: onset", onset, brentq(gap, 0.0, low, xtol=1e-13), 1e-9)
     assert touches >= 10
+
+
+def test_a_bar_slides_along_another_that_it_just_touches(opened):
+    values = {"contact.axes": "skew", "source.axis": [1.0, 0.0, 0.0], "source.finite_length": True}
+    values |= {"source.center": [0.0, 0.0, 0.6], "gravity": [0.0, 1.0, 0.0]}
+    assert run(opened("CylinderCylinder"), values, 1.0, 1)["contact.onsets"] == 0
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -265,18 +269,15 @@ def test_the_impulse_of_prescribed_cylinders_is_the_integral_of_the_force(opened
     for body, rate, e in zip(BODIES, scene.rates, scene.axes, strict=True):
         values |= {f"{body}.motion": "prescribed", f"{body}.rotation": "prescribed"}
         values[f"{body}.prescribed_angular_velocity"] = rate * e
-    values |= {
-        "source.prescribed_velocity": scene.velocity,
-        "source.prescribed_displacement.derivatives": [scene.velocity],
-    }
+    values["source.prescribed_velocity"] = scene.velocity
+    values["source.prescribed_displacement.derivatives"] = [scene.velocity]
 
     def force(time):
         y = np.concatenate([scene.place + time * scene.velocity, scene.velocity, np.zeros(6), scene.rates])
         force, _, _, _, (arm, other) = scene.forces(y)
         return np.concatenate([force, np.cross(arm, force), -np.cross(other, force)])
 
-    fmu = start(opened("CylinderCylinder"), values, 1e-10)
-    fmu.step(length)
+    fmu = run(opened("CylinderCylinder"), values, length, 1, 1e-10)
     places = np.linspace(0.0, length, 202)[1:-1]
     expected, _ = quad_vec(force, 0.0, length, epsabs=1e-9, epsrel=1e-11, points=places, limit=20_000)
     names = ("mean_force", "mean_source_torque", "mean_destination_torque")
@@ -336,8 +337,7 @@ def test_axes_that_are_nearly_parallel_bounce_back(opened, angle):
     values |= {**{"source.center": [0.1, 0.0, 0.61], "source.initial_velocity": [0.0, 0.0, -1.0]}}
     values |= {**{"gravity": [0.0, 0.0, 0.0], "contact.method": "penalty", "contact.penalty_factor": 1e5}}
     for method in METHODS:
-        fmu = start(opened("CylinderCylinder"), values, 1e-10, method)
-        fmu.step(0.05)
+        fmu = run(opened("CylinderCylinder"), values, 0.05, 1, 1e-10, method)
         assert fmu["contact.onsets"] == 1
         check_close(f"{method}: velocity", fmu["source.velocity"], [0.0, 0.0, 1.0], 1e-7)
         check_relative(f"{method}: lasted", fmu["contact.last_duration"], np.pi * np.sqrt(1.0 / 1e5), 1e-7)

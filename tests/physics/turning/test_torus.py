@@ -8,7 +8,7 @@ import pytest
 
 from contact_fmus.fmu.contact_fmu import FmuError
 from contact_fmus.stability.motions import elliptic_stiffness
-from support.checks import check_close, check_relative, start
+from support.checks import check_close, check_relative, run, start
 from support.reference.pressed import GRAVITY, ended, pressed, unit
 from support.scenes.agreement import seeds
 from support.scenes.random_scenes import touching_values
@@ -167,8 +167,7 @@ def test_the_pair_moves_as_the_nearest_point_of_the_circle_says(opened, seed):
 
 def check_segments(fmu, one):
     """Against the integration, without the general segment"""
-    start(fmu, one.values(), 1e-10)
-    fmu.step(one.end)
+    run(fmu, one.values(), one.end, 1, 1e-10)
     check_close("state", state_of(fmu), one.ended(), 1e-8)
     assert fmu["solver.fallbacks"] == 0
 
@@ -222,24 +221,40 @@ def test_no_touch_of_a_long_flight_is_missed(opened, first):
         rng = np.random.default_rng(1000 + seed)
         one, turn = scene(seed), 10.0 ** rng.uniform(-3.0, 0.0) * rng.normal(size=3) * (rng.random() < 0.4)
         if one.inside:
-            one = Ring(**{**vars(one), "velocity": 10.0 ** rng.uniform(-3.0, -1.0) * one.velocity})
+            one = replace(one, velocity=10.0 ** rng.uniform(-3.0, -1.0) * one.velocity)
             one.place = one.ring * one.frame[1]
         else:
-            one = Ring(**{**vars(one), "velocity": rng.normal(size=3)})
+            one = replace(one, velocity=rng.normal(size=3))
             one.place = 0.8 * one.ring * rng.normal(size=3) - rng.uniform(10.0, 900.0) * one.velocity
         values = one.values() | {"gravity": [0.0, 0.0, 0.0], "destination.motion": "fixed"}
-        values |= {"source.rotation": "none"}
         values |= {"destination.rotation": "prescribed", "destination.prescribed_angular_velocity": turn}
-        values["destination.prescribed_axis"] = one.frame[0]
+        values |= {"destination.prescribed_axis": one.frame[0], "source.rotation": "none"}
         time = np.linspace(0.0, 1000.0, SAMPLES)
         below = np.flatnonzero(gaps_of(one, time, turn) < 0.0)
-        fmu = start(opened("SphereTorus"), values, 1e-8)
-        fmu.step(time[below[0]] if below.size else 1000.0)
+        fmu = run(opened("SphereTorus"), values, time[below[0]] if below.size else 1000.0, 1, 1e-8)
         if below.size:
             touches += 1
             assert fmu["contact.onsets"] == 1, seed
             assert time[below[0] - 1] <= fmu["contact.last_onset_time"] <= time[below[0]], seed
     assert touches >= 5
+
+
+LIES = {"source.radius": 0.25, "source.center": [2.25, 0.0, 0.0], "source.initial_velocity": [0.0, 1.0, 0.0]}
+LIES |= {"destination.side": "outer_race", "destination.motion": "free", "destination.mass": 4.0}
+ALIKE = {f"{body}.initial_angular_velocity": [-0.8, 0.0, 0.6] for body in ("source", "destination")}
+ALIKE |= {"source.rotation": "free", "destination.rotation": "free", "destination.axis": [0.6, 0.0, 0.8]}
+ALIKE |= {"source.radius": 0.125, "source.center": [0.0, 2.6875, 0.0], "gravity": [0.0, -9.81, 0.0]}
+ALIKE |= {"source.initial_velocity": [0.0, -1.0, 0.0], "contact.rolling_stiffness": 1.0}
+ALIKE |= {"contact.rolling": "elastic", "contact.rolling_coefficient": 0.125, "contact.rolling_damping": 0.0}
+
+
+@pytest.mark.parametrize("values", [LIES, ALIKE], ids=["gap rate", "spin"])
+def test_a_touch_with_a_rate_of_rounding_takes_few_steps(opened, values):
+    values |= {"destination.ring_radius": 2.0, "contact.law": "hertz", "contact.hertz_stiffness": 1e5}
+    values |= {"contact.hunt_crossley_factor": 0.0, "solver.absolute_tolerance": 1e-14}
+    for tolerance in (1e-7, 1e-8, 1e-9):
+        fmu = run(opened("SphereTorus"), values, 0.0625, 1, tolerance)
+        assert fmu["contact.onsets"] == 1 and fmu["solver.steps"] < 10
 
 
 @pytest.mark.parametrize("side, curvature", [("whole", 0.0), ("inner_race", 1.0), ("outer_race", -1.0)])
