@@ -4,24 +4,6 @@
 #include "math/series.h"
 #include "math/vec3.h"
 
-double jet_dot(const struct vec3 *a, const struct vec3 *b, int order)
-{
-    double sum = 0.0;
-    for (int i = 0; i <= order && i < JET_TERMS; ++i) {
-        sum += vec3_dot(a[i], b[order - i]);
-    }
-    return sum;
-}
-
-struct vec3 jet_scale(const double *a, const struct vec3 *b, int order)
-{
-    struct vec3 sum = {0.0, 0.0, 0.0};
-    for (int i = 0; i <= order && i < JET_TERMS; ++i) {
-        sum = vec3_axpy(sum, a[i], b[order - i]);
-    }
-    return sum;
-}
-
 void jet_direction(int terms, const struct vec3 a[JET_TERMS], double length[JET_TERMS],
                    struct vec3 unit[JET_TERMS])
 {

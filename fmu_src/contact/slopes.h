@@ -33,11 +33,6 @@ struct contact_jet {
     struct vec3 source_force[JET_TERMS]; /* -side F_n n */
 };
 
-/* Return coefficient `order` of a product of two series; taylor_multiply (math/series.h) serves for
- * numbers. */
-double jet_dot(const struct vec3 *a, const struct vec3 *b, int order);
-struct vec3 jet_scale(const double *a, const struct vec3 *b, int order);
-
 /* The series of the laws of friction (friction.h) along a path. */
 
 /* The arguments of F_t along a path: the series of F_n, v_t, xi and delta, and dv_0/ds. `terms` is the number

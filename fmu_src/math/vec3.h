@@ -176,4 +176,24 @@ static inline void path_shift(struct vec3 *coefficients, int count, double time)
     }
 }
 
+/* Return coefficient `order` of a product of two series; taylor_multiply (math/series.h) serves for
+ * numbers. */
+static inline double jet_dot(const struct vec3 *a, const struct vec3 *b, int order)
+{
+    double sum = 0.0;
+    for (int i = 0; i <= order; ++i) {
+        sum += vec3_dot(a[i], b[order - i]);
+    }
+    return sum;
+}
+
+static inline struct vec3 jet_scale(const double *a, const struct vec3 *b, int order)
+{
+    struct vec3 sum = {0.0, 0.0, 0.0};
+    for (int i = 0; i <= order; ++i) {
+        sum = vec3_axpy(sum, a[i], b[order - i]);
+    }
+    return sum;
+}
+
 #endif

@@ -144,8 +144,11 @@ static void put_body_terms(struct scene_values *v, const struct scene_jet *along
     put_body_angular_velocity(v, body, along->angular_velocity[body][order]);
     put_body_orientation(v, body, along->orientation[body][order]);
     if (SCENE_ANY_ROTATION) {
-        struct vec3 axis[JET_TERMS];
-        jet_axis_of(along, body, axis);
+        struct vec3 axis[JET_TERMS] = {
+            quaternion_rotate(along->orientation[body][0], (struct vec3){.z = 1.0})};
+        if (order > 0) {
+            jet_axis_of(along, body, axis);
+        }
         put_body_current_axis(v, body, axis[order]);
     }
     if (body_is_compound(body)) {
@@ -252,9 +255,16 @@ void output_terms(const struct model *m, const struct scene_instant *at, const s
 static void put_instant(const struct scene_instant *at, struct scene_jet *along)
 {
     const struct turning_instant *now = &at->turning;
-    jet_begin(at, along);
-    for (int i = 0; SCENE_ANY_ROTATION && i < SCENE_BODIES; ++i) { /* also where nothing turns */
-        along->orientation[i][0] = now->body[i].orientation;
+    memset(along, 0, sizeof *along);
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        along->displacement[i][0] = at->displacement[i];
+        along->velocity[i][0] = at->velocity[i];
+        if (scene_turns(at->v)) {
+            along->angular_velocity[i][0] = now->body[i].angular_velocity;
+        }
+        if (SCENE_ANY_ROTATION) { /* also where nothing turns */
+            along->orientation[i][0] = now->body[i].orientation;
+        }
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const struct contact_geometry *g = &at->geometry[j];
