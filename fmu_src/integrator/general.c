@@ -16,7 +16,8 @@
 #include "scene/scene_jet.h"
 
 /* Newton's iteration ends when its last correction is below this part of the error allowed in a step. The
- * part is smaller where bodies turn, because the angular momentum shall be kept over a thousand impacts. */
+ * part is smaller where bodies turn: the angular momentum shall be kept over a thousand impacts, and at
+ * rest large forces of several contacts cancel in their sum. */
 static const double NEWTON_SHARE = 0.05;
 static const double TURNING_NEWTON_SHARE = 0.001;
 

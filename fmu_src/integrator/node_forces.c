@@ -858,7 +858,7 @@ CONTACT_FLATTEN static void add_pending(struct iteration *it)
 
 /* The bodies that two contacts share. `by_mass` is the sum of their 1/m. Each shared body that turns has its
  * 1/I_1 in `by_inertia`, and is at `end` of one contact and at `other_end` of the other one. 1/m and 1/I_1
- * are negative where the two ends differ. */
+ * are negative where the body is the source of one contact and the destination of the other one. */
 struct shared_bodies {
     double by_mass;
     int count; /* of shared bodies that turn */

@@ -45,7 +45,7 @@ struct dense_output {
 /* Adds a sample at s, which is larger than all s so far. */
 void dense_output_add(struct dense_output *w, double s);
 
-/* Returns the sample at any s, and keeps it until another s is asked for, as the searches below do. */
+/* Returns the sample at any s and keeps it, until this function or a search below asks for another s. */
 const struct pair_sample *dense_output_at(struct dense_output *w, double s);
 
 /* An event function: factor times quantity + offset. A fall through zero is an event. */

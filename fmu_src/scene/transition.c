@@ -405,11 +405,12 @@ void transition_set_regime(struct scene_state *q, int contact, enum contact_regi
     }
 }
 
-/* Returns the gap at a change of regime [m]. Where contact ends by the gap, the gap is at least zero. Where
- * an integrator has found a touch, the gap is zero; a foreseen touch has a gap of its own. A gap that
- * differs from these by more than its rounding error stays as it is. At the end of contact this error is at
- * least 64 roundings of the distance that the bodies have covered relative to each other in the phase, which
- * has `lasted` so many seconds; the phases of a contact before it count by the penetration. */
+/* Returns the gap at a change of regime [m]. Where contact ends by the gap, the gap is at least zero.
+ * Where an integrator has found a touch, the gap is zero; a foreseen touch has the gap of its prediction.
+ * A gap that differs from zero or from the predicted one by more than rounding stays as it is. At the end
+ * of contact rounding counts as at least 64 roundings of the distance that the bodies have covered
+ * relative to each other in the phase, which has `lasted` so many seconds; the phases of a contact before
+ * it count by the penetration. */
 static double gap_at_change(const struct scene_instant *at, int contact, enum contact_regime regime,
                             double lasted)
 {

@@ -35,7 +35,7 @@ static inline double paced(struct expansion_kind kind, const struct expansion *s
     return kind.is_paced ? taylor_product(a, &s->pace, i) : a[i];
 }
 
-/* Sets coefficient i of the powers of time. Without a pace each has only one. */
+/* Sets coefficient i of the powers of time. Without a pace time is s, and each power has one coefficient. */
 static void put_time(struct expansion_kind kind, struct expansion *s, int i)
 {
     for (int p = 2; p <= s->degree; ++p) {
@@ -187,7 +187,7 @@ static double opening(struct expansion_kind kind, const struct expansion *s, con
     return sum;
 }
 
-/* Sets coefficient i of the depth. The pace's own gap is -u^2. */
+/* Sets coefficient i of the depth. The contact that sets the pace u has the gap -u^2. */
 static void put_depth(struct expansion_kind kind, const struct expansion *s, struct expansion_row *r,
                       bool is_pace, int i)
 {

@@ -687,9 +687,10 @@ static double largest_about(const struct segment *p, const struct event_function
 }
 
 /* Returns the largest value in a range of an averaged segment whose oscillation has this frequency. The
- * search is about each place where the upper bound is highest between two of its samples and exceeds the
- * largest value found: a decaying oscillation may not reach the bound. An oscillation too small to be
- * searched for is left out, and one whose turns are too short to be searched counts with the bound. */
+ * search is about each place where the quantity's upper bound (struct pair_bound) is highest between two
+ * of its samples and exceeds the largest value found: a decaying oscillation may not reach the bound. An
+ * oscillation too small to be searched for is left out, and one whose turns are too short to be searched
+ * counts with the bound. */
 static double largest_of_swinging(const struct segment *p, const struct event_function *what, double omega,
                                   const struct dense_range *range, double known)
 {
@@ -777,7 +778,7 @@ struct torque_lever {
     int moments;                          /* how many moments of r count */
     bool acts;                            /* whether there is a torque */
     struct vec3 c[SEPARATION_DEGREE + 1]; /* part of C by which the force has a torque, by powers of time */
-    /* at skew cylinders the foot, linear in c, which shortens the destination's lever; else c */
+    /* at skew cylinders the foot of c (contact_foot), by which the destination's lever is shorter; else c */
     struct vec3 foot[SEPARATION_DEGREE + 1];
 };
 
