@@ -296,7 +296,7 @@ double friction_stick_event(const struct friction_law *law, enum friction_regime
     const double limit = friction_limit(law, regime, at.normal_force);
     const struct direction f = direction_of(carried(law, at));
     if (regime == FRICTION_STICKING) {
-        return limit - f.length;
+        return law->static_coefficient * fmax(at.normal_force, 0.0) - f.length;
     }
     if (law->coefficient == 0.0 || (limit == 0.0 && normal_force_rate == 0.0)) {
         return 1.0; /* with mu = 0, or with a normal force that stays zero, sliding never ends */
@@ -308,11 +308,14 @@ double friction_stick_event(const struct friction_law *law, enum friction_regime
     return vec3_dot(at.slip, f.unit) - length_rate(law, at, limit, limit_rate);
 }
 
-double friction_cap_event(const struct friction_law *law, enum friction_regime regime, double normal_force)
+double friction_cap_event(const struct friction_law *law, enum friction_regime regime,
+                          struct friction_state at)
 {
-    const double room = law->largest - law->coefficient * normal_force;
-    if (law->kind == FRICTION_NONE || !slides(regime)) {
+    const double room = law->largest - law->coefficient * at.normal_force;
+    if (law->kind == FRICTION_NONE || regime == FRICTION_LIFTED) {
         return 1.0;
     }
-    return regime == FRICTION_SLIDING ? room : -room;
+    return regime == FRICTION_STICKING  ? law->largest - vec3_norm(carried(law, at))
+           : regime == FRICTION_SLIDING ? room
+                                        : -room;
 }

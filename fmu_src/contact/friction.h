@@ -130,10 +130,14 @@ struct vec3 friction_spring(const struct friction_law *law, enum friction_regime
 /*
  * The event functions are positive within the regime, and 1 where no event ends the regime.
  *
- *   stick      sticking: min(mu_s F_n, F_max) - |F*|                 [N]
+ *   stick      sticking: mu_s max(F_n, 0) - |F*|                     [N]
  *              sliding, c_t > 0: |F*| - L                            [N]
  *              sliding, c_t = 0: v_t . F* / |F*| - (L / k_t)'        [m/s]
- *   cap        sliding: F_max - mu F_n, capped: mu F_n - F_max       [N]
+ *   cap        sticking: F_max - |F*|                                [N]
+ *              sliding: F_max - mu F_n, capped: mu F_n - F_max       [N]
+ *
+ * Sticking ends at the lesser of mu_s F_n and F_max; each of the two has an event function, because the
+ * minimum is not smooth.
  */
 double friction_stick_event(const struct friction_law *law, enum friction_regime regime,
                             struct friction_state at, double normal_force_rate);
@@ -197,6 +201,7 @@ struct vec3 friction_spring_rate(const struct friction_law *law, enum friction_r
 
 /* Whether the stick event of elastic friction compares |F*| with a limit. */
 bool friction_compares_forces(const struct friction_law *law, enum friction_regime regime);
-double friction_cap_event(const struct friction_law *law, enum friction_regime regime, double normal_force);
+double friction_cap_event(const struct friction_law *law, enum friction_regime regime,
+                          struct friction_state at);
 
 #endif

@@ -11,6 +11,21 @@ bool contact_is_hertz(const struct contact_law *law)
     return CONTACT_ANY_HERTZ && law->law == LAW_HERTZ;
 }
 
+bool contact_has_events(const struct contact_law *law)
+{
+    return law->damping > 0.0 && law->dashpot != DASHPOT_UNCLAMPED;
+}
+
+bool contact_is_elastic(const struct contact_law *law)
+{
+    return !(law->damping > 0.0);
+}
+
+bool contact_may_pull(const struct contact_law *law)
+{
+    return law->dashpot == DASHPOT_UNCLAMPED && !contact_is_elastic(law);
+}
+
 double contact_linear_force(struct contact_coefficients linear, double gap, double gap_rate)
 {
     return -(linear.k * gap + linear.c * gap_rate);
@@ -135,14 +150,11 @@ double hertz_stiffness(const struct contact_shape *shape, double modulus)
     const double r_s = shape->source_radius;
     const double r_d = shape->other_radius;
     const double alone = 0.5 / r_s; /* both A and B on a plane, one of them along a cylinder [1/m] */
-    if (contact_is_plane(shape)) {
-        return hertz_elliptic_stiffness(modulus, alone, alone);
-    }
     if (contact_is_skew(shape)) {
         return hertz_crossed_stiffness(modulus, r_s, r_d, contact_skew_frame(&shape->solid)->sine);
     }
     /* the coefficient is half of 1/r_s + 1/r_d outside, half of 1/r_s - 1/r_d inside */
-    const double curved = 0.5 * (r_d + shape->side * r_s) / r_s / r_d;
+    const double curved = contact_is_plane(shape) ? alone : 0.5 * (r_d + shape->side * r_s) / r_s / r_d;
     double along = contact_is_cylinder(shape) ? alone : curved;
     if (contact_is_torus(shape)) { /* the tube's middle line is curved at the bottom of a race */
         const double inward = shape->solid.race;
@@ -328,11 +340,6 @@ double contact_force_term(const struct contact_law *law, const struct contact_la
     return force;
 }
 
-bool contact_has_events(const struct contact_law *law)
-{
-    return law->damping > 0.0 && law->dashpot != DASHPOT_UNCLAMPED;
-}
-
 double contact_event(const struct contact_law *law, enum contact_regime regime, double gap, double gap_rate)
 {
     if (regime == REGIME_APART || !contact_has_events(law)) {
@@ -343,18 +350,15 @@ double contact_event(const struct contact_law *law, enum contact_regime regime, 
     return regime == REGIME_COMPRESSION ? within : -within;
 }
 
-struct contact_slopes contact_event_slopes(const struct contact_law *law, enum contact_regime regime,
-                                           double gap, double gap_rate)
+struct contact_slopes contact_event_slopes(const struct contact_law *law, enum contact_regime regime)
 {
+    const double sign = regime == REGIME_COMPRESSION ? 1.0 : -1.0;
+    const bool by_rate_alone = law->dashpot == DASHPOT_APPROACH_ONLY || contact_is_hertz(law);
     if (regime == REGIME_APART || !contact_has_events(law)) {
         return (struct contact_slopes){0.0, 0.0};
     }
-    const struct contact_slopes within =
-        law->dashpot == DASHPOT_APPROACH_ONLY ? (struct contact_slopes){0.0, -1.0}
-        : contact_is_hertz(law)               ? (struct contact_slopes){0.0, -law->damping}
-                                              : contact_force_slopes(law, REGIME_COMPRESSION, gap, gap_rate);
-    const double sign = regime == REGIME_COMPRESSION ? 1.0 : -1.0;
-    return (struct contact_slopes){sign * within.by_gap, sign * within.by_rate};
+    return (struct contact_slopes){by_rate_alone ? 0.0 : -sign * law->stiffness,
+                                   law->dashpot == DASHPOT_APPROACH_ONLY ? -sign : -sign * law->damping};
 }
 
 enum contact_regime contact_regime_after(const struct contact_law *law, enum contact_regime regime)
@@ -371,16 +375,6 @@ double contact_push(const struct contact_law *law, double gap, double gap_rate)
                                  : contact_force(law, REGIME_COMPRESSION, gap, gap_rate);
 }
 
-bool contact_may_pull(const struct contact_law *law)
-{
-    return law->dashpot == DASHPOT_UNCLAMPED && !contact_is_elastic(law);
-}
-
-bool contact_is_elastic(const struct contact_law *law)
-{
-    return !(law->damping > 0.0);
-}
-
 double contact_stored_energy(const struct contact_law *law, enum contact_regime regime, double gap)
 {
     return regime == REGIME_APART  ? 0.0
@@ -393,22 +387,16 @@ double contact_stored_slope(const struct contact_law *law, enum contact_regime r
     return regime == REGIME_APART ? 0.0 : -contact_force(law, REGIME_RESTITUTION, gap, 0.0);
 }
 
-/* The rate of the energy along a path is the spring's force times the rate of the depth. */
+/* The energy is half of the spring's force times the depth, 2/5 of it under Hertz's law. */
 double contact_stored_term(const struct contact_law *law, const struct contact_law *change,
                            enum contact_regime regime, const double *gap, int order)
 {
+    const double part = contact_is_hertz(law) ? 0.4 : 0.5;
     double spring[TAYLOR_TERMS];
-    if (order == 0 || regime == REGIME_APART) {
-        return contact_stored_energy(law, regime, gap[0]);
-    }
-    const struct contact_law changed = {.stiffness = change->stiffness, .law = law->law};
-    const struct contact_law constant = {.law = law->law};
-    double energy = contact_stored_term(&changed, &constant, regime, gap, order - 1);
-    put_spring_terms(law, gap, order - 1, spring);
-    for (int i = 1; i <= order; ++i) {
-        energy -= law->stiffness * spring[order - i] * gap[i] * i / order;
-    }
-    return energy;
+    put_spring_terms(law, gap, order, spring);
+    const double changed = order > 0 ? change->stiffness * taylor_multiply(spring, gap, order - 1) : 0.0;
+    const double energy = -part * (law->stiffness * taylor_multiply(spring, gap, order) + changed);
+    return regime == REGIME_APART ? 0.0 : energy;
 }
 
 double contact_dissipated_term(const struct contact_law *law, enum contact_regime regime,

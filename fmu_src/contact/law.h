@@ -118,26 +118,27 @@ double contact_force_term(const struct contact_law *law, const struct contact_la
  *   non-adhesive, hertz    1 - chi g'                  chi g' - 1
  *   approach-only          -g'           g'
  *
- * The event function is 1 where the law ends no regime. Hertz's F_n cannot serve: it vanishes at g = 0.
+ * The event function is 1 where the law ends no regime. Hertz's F_n cannot serve: it vanishes at g = 0. All
+ * are linear in g and g', so that their slopes are constants.
  */
 double contact_event(const struct contact_law *law, enum contact_regime regime, double gap, double gap_rate);
-struct contact_slopes contact_event_slopes(const struct contact_law *law, enum contact_regime regime,
-                                           double gap, double gap_rate);
+struct contact_slopes contact_event_slopes(const struct contact_law *law, enum contact_regime regime);
 
 /* Whether the law ever ends a regime; and the regime that follows the event of `regime`. */
 bool contact_has_events(const struct contact_law *law);
+
 enum contact_regime contact_regime_after(const struct contact_law *law, enum contact_regime regime);
 
 /* Returns a function that falls through zero where the unclamped law begins to pull: F_n [N] for the linear
  * law, 1 + chi delta' [1] for Hertz's law, whose force is also zero, with zero slope, where contact ends. */
 double contact_push(const struct contact_law *law, double gap, double gap_rate);
 
+/* Whether the law is without damping, so that contact returns all the energy that it stores. */
+bool contact_is_elastic(const struct contact_law *law);
+
 /* Whether F_n may be negative during penetration: an unclamped dashpot pulls. Any other F_n < 0 is
  * rounding. */
 bool contact_may_pull(const struct contact_law *law);
-
-/* Whether the law is without damping, so that contact returns all the energy that it stores. */
-bool contact_is_elastic(const struct contact_law *law);
 
 /* The stored energy E_c [J] during penetration: p_n g^2 / 2 of the linear law, 2/5 k_h delta^(5/2) of Hertz's
  * law. The functions return E_c, its derivative with respect to g [N], and its Taylor coefficient `order`

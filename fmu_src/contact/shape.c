@@ -17,6 +17,11 @@ bool contact_is_rim(const struct contact_shape *shape)
     return CONTACT_ANY_CAPS && shape->destination == SHAPE_RIM;
 }
 
+bool contact_is_capped(const struct contact_shape *shape)
+{
+    return CONTACT_ANY_CAPS && shape->solid.half_height > 0.0;
+}
+
 bool contact_is_torus(const struct contact_shape *shape)
 {
     return CONTACT_ANY_TORUS && shape->destination == SHAPE_TORUS;
@@ -25,11 +30,6 @@ bool contact_is_torus(const struct contact_shape *shape)
 bool contact_is_circle(const struct contact_shape *shape)
 {
     return contact_is_rim(shape) || contact_is_torus(shape);
-}
-
-bool contact_is_capped(const struct contact_shape *shape)
-{
-    return CONTACT_ANY_CAPS && shape->solid.half_height > 0.0;
 }
 
 const struct skew_frame *contact_skew_frame(const struct contact_solid *solid)
@@ -45,12 +45,12 @@ const struct skew_frame *contact_skew_frame(const struct contact_solid *solid)
 
 static bool solid_is_skew(const struct contact_solid *solid)
 {
-    return CONTACT_ANY_SKEW && contact_skew_frame(solid)->axes.source_half > 0.0;
+    return CONTACT_ANY_SKEW && contact_skew_frame(solid)->half[0] > 0.0;
 }
 
 bool contact_is_skew(const struct contact_shape *shape)
 {
-    return CONTACT_ANY_SKEW && solid_is_skew(&shape->solid);
+    return solid_is_skew(&shape->solid);
 }
 
 bool contact_is_zoned(const struct contact_shape *shape)
@@ -66,6 +66,12 @@ bool contact_may_reach_centre(const struct contact_shape *shape)
 bool contact_turns(const struct contact_shape *shape, const struct contact_geometry *at)
 {
     return !at->degenerate && !contact_is_plane(shape);
+}
+
+double contact_reach(const struct contact_shape *shape)
+{
+    return shape->side > 0 ? shape->source_radius + shape->other_radius
+                           : shape->other_radius - shape->source_radius;
 }
 
 /* Returns the unit vector across the axis e nearest to the negative coordinate axis least aligned with e. */
@@ -118,12 +124,6 @@ struct vec3 contact_across_plane(struct vec3 normal, struct vec3 a)
         return vec3_make(0.0, 0.0, 0.0);
     }
     return vec3_axpy(once, -vec3_dot(normal, once), normal);
-}
-
-double contact_reach(const struct contact_shape *shape)
-{
-    return shape->side > 0 ? shape->source_radius + shape->other_radius
-                           : shape->other_radius - shape->source_radius;
 }
 
 /* Whether the source nearly fills its shell, r_d / 2 < r_s; the difference r_d - r_s is then exact. */
@@ -208,81 +208,60 @@ static struct contact_geometry geometry_in(const struct contact_shape *shape, st
     return at;
 }
 
-struct skew_face contact_skew_face(const struct contact_solid *solid)
-{
-    const struct skew_frame *frame = contact_skew_frame(solid);
-    return (struct skew_face){
-        {frame->across_destination, frame->across_source},
-        {frame->sine * frame->axes.source_half, frame->sine * frame->axes.destination_half}};
-}
-
 /* Which ends of both axes a zone of skew cylinders is at: -1, +1, or 0 within. */
 struct skew_ends {
-    int source, destination;
+    int at[2];
 };
 
-static struct skew_ends skew_ends_of(int zone)
+static inline struct skew_ends skew_ends_of(int zone)
 {
     const int place = abs(zone) - SKEW_ZONE;
-    return (struct skew_ends){place / 3 - 1, place % 3 - 1};
+    return (struct skew_ends){{place / 3 - 1, place % 3 - 1}};
 }
 
 /* Returns the distance of c from the nearest plane that bounds a zone of skew cylinders [m], negative beyond
- * it. `a` and `b` are the places of the nearest points if the other axis is at its end. */
+ * it. Where the zone is at an end of one axis, the place along the other is measured from there. */
 static double skew_margin(const struct skew_frame *frame, int zone, struct vec3 c)
 {
-    const struct skew_axes *axes = &frame->axes;
-    const struct skew_ends at = skew_ends_of(zone);
-    const double source_side = vec3_dot(c, frame->across_destination); /* sine a, both within */
-    const double destination_side = -vec3_dot(c, frame->across_source);
-    if (at.source == 0 && at.destination == 0) {
-        const double height = (zone < 0 ? -1.0 : 1.0) * vec3_dot(c, frame->normal);
-        return fmin(height, fmin(frame->sine * axes->source_half - fabs(source_side),
-                                 frame->sine * axes->destination_half - fabs(destination_side)));
+    const struct skew_ends ends = skew_ends_of(zone);
+    const double height = (zone < 0 ? -1.0 : 1.0) * vec3_dot(c, frame->normal);
+    double margin = abs(zone) == SKEW_FACE ? height : (double)INFINITY;
+    for (int i = 0; i < 2; ++i) {
+        const int end = ends.at[i];
+        const int other = ends.at[1 - i];
+        if (end != 0 && !isfinite(frame->half[i])) {
+            return -(double)INFINITY;
+        }
+        const double most = other != 0 ? frame->half[i] : frame->reach[i];
+        const double place = vec3_dot(c, other != 0 ? frame->along[i] : frame->across[i]) -
+                             (other != 0 ? frame->cosine * other * frame->half[1 - i] : 0.0);
+        const double room = end != 0 ? end * place - most : most - fabs(place);
+        margin = room < margin ? room : margin;
     }
-    if ((at.source != 0 && !isfinite(axes->source_half)) ||
-        (at.destination != 0 && !isfinite(axes->destination_half))) {
-        return -(double)INFINITY;
-    }
-    const double a = vec3_dot(c, axes->source) +
-                     (at.destination != 0 ? frame->cosine * at.destination * axes->destination_half : 0.0);
-    const double b = (at.source != 0 ? frame->cosine * at.source * axes->source_half : 0.0) -
-                     vec3_dot(c, axes->destination);
-    if (at.destination == 0) {
-        return fmin(at.source * source_side - frame->sine * axes->source_half,
-                    axes->destination_half - fabs(b));
-    }
-    if (at.source == 0) {
-        return fmin(at.destination * destination_side - frame->sine * axes->destination_half,
-                    axes->source_half - fabs(a));
-    }
-    return fmin(at.source * a - axes->source_half, at.destination * b - axes->destination_half);
+    return margin;
 }
 
 /* Returns the place of the edge or corner of the parallelogram that a zone is at, zero at its face [m]. */
-static struct vec3 skew_corner(const struct contact_solid *solid)
+static struct vec3 skew_corner(const struct skew_frame *frame, int zone)
 {
-    const struct skew_axes *axes = &contact_skew_frame(solid)->axes;
-    const struct skew_ends at = skew_ends_of(solid->zone);
-    const struct vec3 along_source =
-        at.source != 0 ? vec3_scale(at.source * axes->source_half, axes->source) : vec3_make(0.0, 0.0, 0.0);
-    return at.destination != 0
-               ? vec3_axpy(along_source, -at.destination * axes->destination_half, axes->destination)
-               : along_source;
+    const struct skew_ends ends = skew_ends_of(zone);
+    struct vec3 corner = {0.0, 0.0, 0.0};
+    for (int i = 0; i < 2; ++i) {
+        corner = ends.at[i] != 0 ? vec3_axpy(corner, ends.at[i] * frame->half[i], frame->along[i]) : corner;
+    }
+    return corner;
 }
 
 /* Returns a pair of skew cylinders as c meets it in its zone. */
 static struct contact_shape skew_shape_in(struct contact_shape in)
 {
-    const struct skew_axes *axes = &contact_skew_frame(&in.solid)->axes;
-    const struct skew_ends at = skew_ends_of(in.solid.zone);
-    in.destination = in.solid.zone == 0                      ? SHAPE_SKEW
-                     : at.source != 0 && at.destination != 0 ? SHAPE_SPHERE
-                     : at.source == 0 && at.destination == 0 ? SHAPE_PLANE
-                                                             : SHAPE_CYLINDER;
-    in.axis = at.destination != 0 ? axes->source : axes->destination;
+    static const enum shape SHAPES[] = {SHAPE_PLANE, SHAPE_CYLINDER, SHAPE_SPHERE};
+    const struct skew_frame *frame = contact_skew_frame(&in.solid);
+    const struct skew_ends ends = skew_ends_of(in.solid.zone);
+    in.destination = in.solid.zone == 0 ? SHAPE_SKEW : SHAPES[(ends.at[0] != 0) + (ends.at[1] != 0)];
+    in.axis = ends.at[1] != 0 ? frame->along[0] : vec3_scale(-1.0, frame->along[1]);
     if (in.destination == SHAPE_PLANE) { /* its outward normal is -n */
-        in.axis = vec3_scale(in.solid.zone < 0 ? 1.0 : -1.0, contact_skew_frame(&in.solid)->normal);
+        in.axis = vec3_scale(in.solid.zone < 0 ? 1.0 : -1.0, frame->normal);
     }
     return in;
 }
@@ -293,16 +272,18 @@ struct contact_geometry contact_geometry_at(const struct contact_shape *shape, s
     if (!contact_is_zoned(shape)) {
         return geometry_in(shape, c, w, fallback);
     }
-    struct contact_shape in = *shape;
-    if (in.solid.zone == 0) {
-        in = contact_shape_in(shape, contact_zone_at(&shape->solid, 0, c));
+    struct contact_shape found;
+    const struct contact_shape *in = shape;
+    if (shape->solid.zone == 0) {
+        found = contact_shape_in(shape, contact_zone_at(&shape->solid, 0, c));
+        in = &found;
     }
-    c = contact_is_skew(&in) ? vec3_sub(c, skew_corner(&in.solid)) : c;
-    struct contact_geometry at = geometry_in(&in, c, w, fallback);
-    at.zone = in.solid.zone;
-    if (contact_is_skew(&in)) {
-        at.gap_terms += vec3_max_abs(skew_corner(&in.solid));
-    }
+    const int zone = in->solid.zone;
+    const struct vec3 none = {0.0, 0.0, 0.0};
+    const struct vec3 corner = contact_is_skew(in) ? skew_corner(contact_skew_frame(&in->solid), zone) : none;
+    struct contact_geometry at = geometry_in(in, vec3_sub(c, corner), w, fallback);
+    at.zone = zone;
+    at.gap_terms += vec3_max_abs(corner);
     return at;
 }
 
@@ -393,11 +374,13 @@ int contact_zone_at(const struct contact_solid *solid, int except, struct vec3 c
     const int end = vec3_dot(c, solid->axis) > 0.0 ? -1 : 1;
     const int capped[] = {end * ZONE_RIM, end * ZONE_CAP, ZONE_SIDE}; /* the last of equal ones counts */
     const bool is_skew = solid_is_skew(solid);
+    const int face = vec3_dot(c, contact_skew_frame(solid)->normal) > 0.0 ? SKEW_FACE : -SKEW_FACE;
     const int count = is_skew ? SKEW_LAST - SKEW_ZONE + 2 : (int)(sizeof capped / sizeof capped[0]);
     double most = -(double)INFINITY;
     int nearest = 0;
     for (int i = 0; i < count && !(most > 0.0); ++i) {
-        const int zone = !is_skew ? capped[i] : i == count - 1 ? -SKEW_FACE : SKEW_LAST - i;
+        const int place = i == 0 ? SKEW_FACE : SKEW_LAST + 1 - i; /* c is most often at the face */
+        const int zone = !is_skew ? capped[i] : place == SKEW_FACE ? face : place;
         const double margin = contact_zone_margin(solid, zone, c);
         if (zone != except && margin >= most) {
             nearest = zone;
@@ -427,63 +410,59 @@ bool contact_zone_jumps(const struct contact_solid *solid, int zone, int next, s
            fmax(fabs(place.radial), fabs(place.axial)) <= rounding;
 }
 
-/* The part of e_d across e_s is projected twice, so that the normal is perpendicular to both axes to rounding
- * where they are nearly parallel too. */
-void contact_make_skew(struct contact_shape *shape, struct skew_axes axes)
+/* The part of -e_d across e_s is projected twice, so that the normal is perpendicular to both axes to
+ * rounding where they are nearly parallel too. */
+void contact_make_skew(struct contact_shape *shape, struct vec3 source_axis, double source_half,
+                       double destination_half)
 {
 #if CONTACT_ANY_SKEW
-    struct skew_frame *frame = &shape->solid.skew;
-    const struct vec3 e = axes.source;
-    const double cosine = vec3_dot(axes.destination, e);
-    const struct vec3 once = vec3_axpy(axes.destination, -cosine, e);
-    const struct vec3 across = vec3_axpy(once, -vec3_dot(once, e), e);
-    const double sine = vec3_norm(across);
+    const struct vec3 e = source_axis;
+    const struct vec3 other = vec3_scale(-1.0, shape->axis);
+    const double cosine = vec3_dot(other, e);
+    const struct vec3 once = vec3_axpy(other, -cosine, e);
+    const struct vec3 twice = vec3_axpy(once, -vec3_dot(once, e), e);
+    const double sine = vec3_norm(twice);
+    const struct vec3 across = vec3_scale(1.0 / sine, twice);
     shape->destination = SHAPE_SKEW;
-    frame->axes = axes;
-    frame->cosine = cosine;
-    frame->sine = sine;
-    frame->across_source = vec3_scale(1.0 / sine, across);
-    frame->across_destination = vec3_axpy(vec3_scale(sine, e), -cosine, frame->across_source);
-    frame->normal = vec3_cross(e, frame->across_source);
+    shape->solid.skew = (struct skew_frame){{e, other},
+                                            {source_half, destination_half},
+                                            {vec3_axpy(vec3_scale(sine, e), -cosine, across), across},
+                                            {sine * source_half, sine * destination_half},
+                                            vec3_cross(across, e),
+                                            cosine,
+                                            sine};
 #else
     (void)shape;
-    (void)axes;
+    (void)source_axis;
+    (void)source_half;
+    (void)destination_half;
 #endif
 }
 
-/* Returns the factor of c in a, the place of the nearest point along e_s, within a zone; a is linear in c. */
-static struct vec3 skew_slope(const struct contact_solid *solid)
+/* Returns the change of the foot by a change of c within a zone. */
+static struct vec3 foot_along(const struct skew_frame *frame, int zone, struct vec3 change)
 {
-    const struct skew_frame *frame = contact_skew_frame(solid);
-    const struct skew_ends ends = skew_ends_of(solid->zone);
-    if (ends.source != 0) {
-        return vec3_make(0.0, 0.0, 0.0);
-    }
-    return ends.destination != 0 ? frame->axes.source
-                                 : vec3_scale(1.0 / frame->sine, frame->across_destination);
+    const struct skew_ends ends = skew_ends_of(zone);
+    const struct vec3 slope =
+        ends.at[1] != 0 ? frame->along[0] : vec3_scale(1.0 / frame->sine, frame->across[0]);
+    return vec3_scale(ends.at[0] != 0 ? 0.0 : vec3_dot(slope, change), frame->along[0]);
 }
 
 struct vec3 contact_foot_along(const struct contact_shape *shape, struct vec3 change)
 {
-    if (!contact_is_skew(shape)) {
-        return vec3_make(0.0, 0.0, 0.0);
-    }
-    const struct skew_axes *axes = &contact_skew_frame(&shape->solid)->axes;
-    return vec3_scale(vec3_dot(skew_slope(&shape->solid), change), axes->source);
+    return contact_is_skew(shape) ? foot_along(contact_skew_frame(&shape->solid), shape->solid.zone, change)
+                                  : vec3_make(0.0, 0.0, 0.0);
 }
 
-struct vec3 contact_foot(const struct contact_shape *shape, struct vec3 c)
+struct vec3 contact_foot(const struct contact_shape *shape, int zone, struct vec3 c)
 {
     if (!contact_is_skew(shape)) {
         return vec3_make(0.0, 0.0, 0.0);
     }
-    const struct contact_shape in =
-        shape->solid.zone != 0 ? *shape : contact_shape_in(shape, contact_zone_at(&shape->solid, 0, c));
-    const struct skew_axes *axes = &contact_skew_frame(&in.solid)->axes;
-    const struct skew_ends ends = skew_ends_of(in.solid.zone);
-    const struct vec3 corner = skew_corner(&in.solid);
-    const double end = ends.source != 0 ? ends.source * axes->source_half : 0.0;
-    return vec3_axpy(contact_foot_along(&in, vec3_sub(c, corner)), end, axes->source);
+    const struct skew_frame *frame = contact_skew_frame(&shape->solid);
+    const int end = skew_ends_of(zone).at[0];
+    const struct vec3 along = foot_along(frame, zone, vec3_sub(c, skew_corner(frame, zone)));
+    return vec3_axpy(along, end != 0 ? end * frame->half[0] : 0.0, frame->along[0]);
 }
 
 struct vec3 contact_source_arm(const struct contact_shape *shape, struct vec3 normal, struct vec3 foot)

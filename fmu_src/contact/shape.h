@@ -19,7 +19,7 @@
  * On the axis of a torus all points of the circle are equally near, and n jumps to the other side.
  *
  * Skew cylinders: d is the distance of the axes, which are segments where the cylinders are finite, and n
- * points from the nearest point of the source's axis to that of the destination's (see skew_axes).
+ * points from the nearest point of the source's axis to that of the destination's (see skew_frame).
  */
 #ifndef CONTACT_CONTACT_SHAPE_H
 #define CONTACT_CONTACT_SHAPE_H
@@ -30,21 +30,15 @@
 #include "contact/choices.h"
 #include "math/vec3.h"
 
-/* The axes of two skew cylinders: e_s and e_d, unit vectors, and half of both lengths [m], which may be
- * INFINITY. Both are 0 where the shape is no pair of skew cylinders. */
-struct skew_axes {
-    struct vec3 source, destination;
-    double source_half, destination_half;
-};
-
-/* The plane of the parallelogram that these axes span. */
+/* A pair of skew cylinders, [0] of the source and [1] of the destination: the parallelogram of all
+ * a along[0] + b along[1] with |a| <= half[0] and |b| <= half[1] (see below). */
 struct skew_frame {
-    struct skew_axes axes;
-    struct vec3 normal; /* along e_s x e_d */
-    /* unit vectors in the plane, across e_s and across e_d: e_d = cosine e_s + sine across_source, e_s =
-     * cosine e_d + sine across_destination */
-    struct vec3 across_source, across_destination;
-    double cosine, sine; /* of the angle between the axes */
+    struct vec3 along[2];  /* e_s and -e_d, unit vectors */
+    double half[2];        /* of the lengths [m], may be INFINITY; 0: no pair of skew cylinders */
+    struct vec3 across[2]; /* unit vectors in the plane: along[i] = cosine along[1 - i] + sine across[i] */
+    double reach[2];       /* sine half[i] [m]: the face has |c.across[i]| <= reach[i] */
+    struct vec3 normal;    /* along e_s x e_d */
+    double cosine, sine;   /* of the angle between along[0] and along[1] */
 };
 
 /* A capped cylinder, of which the struct contact_shape below is the zone (side, cap, rim) that the source
@@ -108,7 +102,10 @@ bool contact_is_torus(const struct contact_shape *shape);
 
 bool contact_is_circle(const struct contact_shape *shape);
 
-/* Whether the shape is a pair of skew cylinders, or a zone of one; whether it is divided into zones. */
+/* Returns the parallelogram of skew cylinders. Other shapes have none, and their result may not be used. */
+const struct skew_frame *contact_skew_frame(const struct contact_solid *solid);
+
+/* Whether the shape is a pair of skew cylinders, or a zone of one; whether the shape has zones. */
 bool contact_is_skew(const struct contact_shape *shape);
 
 bool contact_is_zoned(const struct contact_shape *shape);
@@ -201,7 +198,8 @@ double contact_zone_margin(const struct contact_solid *solid, int zone, struct v
 int contact_zone_next(const struct contact_solid *solid, int zone, struct vec3 c, struct vec3 rate,
                       double rounding);
 
-/* Returns the zone with the largest margin at c, but not the zone `except`. */
+/* Returns the zone with the largest margin at c, but not the zone `except`; 0: none is left out. Of skew
+ * cylinders none may be left out. */
 int contact_zone_at(const struct contact_solid *solid, int except, struct vec3 c);
 
 /* Whether n jumps as c passes from one zone into the next; `distance` is d [m]. */
@@ -228,26 +226,14 @@ bool contact_zone_jumps(const struct contact_solid *solid, int zone, int next, s
  */
 enum { SKEW_ZONE = 8, SKEW_FACE = SKEW_ZONE + 4, SKEW_LAST = SKEW_ZONE + 8 };
 
-/* Makes the shape a pair of skew cylinders. */
-void contact_make_skew(struct contact_shape *shape, struct skew_axes axes);
-
-/* Returns the axes of skew cylinders and the angle between them. Other shapes have no such frame, and their
- * result may not be used. */
-const struct skew_frame *contact_skew_frame(const struct contact_solid *solid);
-
-/* The face of skew cylinders reaches as far as |c.across[i]| <= half[i] [m], where i is 0 for the ends of the
- * source and 1 for those of the destination. `half` is INFINITY where a cylinder is infinite. */
-struct skew_face {
-    struct vec3 across[2];
-    double half[2];
-};
-
-struct skew_face contact_skew_face(const struct contact_solid *solid);
+/* Makes the shape, whose axis is e_d, a pair of skew cylinders, by e_s and half of both lengths [m]. */
+void contact_make_skew(struct contact_shape *shape, struct vec3 source_axis, double source_half,
+                       double destination_half);
 
 /* Returns the point of the source's axis that is nearest to the destination's, from the source's centre [m],
- * and its change with a change of c within the zone. Both are zero for shapes other than skew cylinders,
- * where contact is opposite to the source's centre. */
-struct vec3 contact_foot(const struct contact_shape *shape, struct vec3 c);
+ * where c is in a zone, and its change with a change of c within the zone of the shape. Both are zero for
+ * shapes other than skew cylinders, where contact is opposite to the source's centre. */
+struct vec3 contact_foot(const struct contact_shape *shape, int zone, struct vec3 c);
 struct vec3 contact_foot_along(const struct contact_shape *shape, struct vec3 change);
 
 /* Returns the arm from the source's centre to the point of contact [m], or its change if `normal` and `foot`

@@ -103,7 +103,7 @@ void friction_force_terms(const struct friction_law *law, enum friction_regime r
     double limit[JET_TERMS];
     double stiffness[JET_TERMS];
     double length[JET_TERMS];
-    struct vec3 pull[JET_TERMS]; /* of spring and dashpot */
+    struct vec3 pull[JET_TERMS] = {{0.0, 0.0, 0.0}}; /* of spring and dashpot */
     struct vec3 unit[JET_TERMS];
     memset(force, 0, JET_TERMS * sizeof *force);
     if (law->kind == FRICTION_NONE || regime == FRICTION_LIFTED) {

@@ -45,8 +45,8 @@ struct friction_path {
 };
 
 /* Sets the series of F_t. At zero slip |v_t| grows with |s|; its coefficients are those for s > 0. */
-CONTACT_COLD void friction_force_terms(const struct friction_law *law, enum friction_regime regime,
-                                       const struct friction_path *path, struct vec3 force[JET_TERMS]);
+void friction_force_terms(const struct friction_law *law, enum friction_regime regime,
+                          const struct friction_path *path, struct vec3 force[JET_TERMS]);
 
 /* Returns the change of xi' along a path, without what the normal turns (opposed_turned). */
 CONTACT_COLD struct vec3 friction_spring_rate_change(const struct friction_law *law,
@@ -54,8 +54,8 @@ CONTACT_COLD struct vec3 friction_spring_rate_change(const struct friction_law *
                                                      const struct friction_path *path);
 
 /* Sets the series of the part of a vector in which an opposed motion takes place (opposed_laid). */
-CONTACT_COLD void opposed_laid_terms(enum opposed part, int terms, const struct vec3 a[JET_TERMS],
-                                     const struct vec3 normal[JET_TERMS], struct vec3 laid[JET_TERMS]);
+void opposed_laid_terms(enum opposed part, int terms, const struct vec3 a[JET_TERMS],
+                        const struct vec3 normal[JET_TERMS], struct vec3 laid[JET_TERMS]);
 
 /* Sets the series of the energy stored in the tangential spring [J]. */
 CONTACT_COLD void friction_stored_terms(const struct friction_law *law, enum friction_regime regime,
@@ -63,13 +63,12 @@ CONTACT_COLD void friction_stored_terms(const struct friction_law *law, enum fri
 
 /* Sets the series of the length and of the direction of a vector. The direction is zero where the vector is;
  * its length then has the coefficients for s > 0. */
-CONTACT_COLD void jet_direction(int terms, const struct vec3 a[JET_TERMS], double length[JET_TERMS],
-                                struct vec3 unit[JET_TERMS]);
+void jet_direction(int terms, const struct vec3 a[JET_TERMS], double length[JET_TERMS],
+                   struct vec3 unit[JET_TERMS]);
 
 /* Sets the series of the part of c across a unit vector and of the component along it. */
-CONTACT_COLD void jet_across(int terms, const struct vec3 c[JET_TERMS],
-                             const struct vec3 direction[JET_TERMS], struct vec3 across[JET_TERMS],
-                             double along[JET_TERMS]);
+void jet_across(int terms, const struct vec3 c[JET_TERMS], const struct vec3 direction[JET_TERMS],
+                struct vec3 across[JET_TERMS], double along[JET_TERMS]);
 
 /* The laws and their regimes: of the normal force, and of friction and both resistances (enum opposed). */
 struct turning_laws {

@@ -274,12 +274,14 @@ void advancement_at(const struct advancement_path *path, double time, struct adv
     }
 }
 
-/* Returns the sum over i of |c^(first + i)| length^i / i!. */
-static double size_within(const struct vec3 c[ADVANCEMENT_TERMS], int first, double length)
+/* Returns the sum over i of |c^(first + i)| length^i / i!, or of |e.c^(first + i)| length^i / i! with a unit
+ * vector e. */
+static double size_within(const struct vec3 c[ADVANCEMENT_TERMS], const struct vec3 *e, int first,
+                          double length)
 {
     double size = 0.0;
     for (int i = ADVANCEMENT_TERMS - 1; i >= first; --i) {
-        const double norm = vec3_norm(c[i]);
+        const double norm = e != NULL ? fabs(contact_along_plane(*e, c[i])) : vec3_norm(c[i]);
         size = norm + (size > 0.0 ? size * length / (i - first + 1) : 0.0);
     }
     return size;
@@ -302,16 +304,6 @@ static void bound_ring(const struct contact_shape *shape, bool grows, double spe
     }
 }
 
-/* Returns the sum over i of |e.c^(2 + i)| length^i / i! for a unit vector e. */
-static double bend_along(const struct vec3 c[ADVANCEMENT_TERMS], struct vec3 e, double length)
-{
-    double size = 0.0;
-    for (int i = ADVANCEMENT_TERMS - 1; i >= 2; --i) {
-        size = size * length / (i - 1) + fabs(contact_along_plane(e, c[i]));
-    }
-    return size;
-}
-
 /* Sets the bounds of the second derivatives over `length` seconds from `time` on; INFINITY: no bound. */
 static void bound_bends(const struct advancement_path *path, double time, double length,
                         struct advancement_instant *at)
@@ -323,11 +315,11 @@ static void bound_bends(const struct advancement_path *path, double time, double
     const bool stands = !(axis.speed > 0.0) && !contact_is_torus(&shape);
     struct falling *gap = &at->of[ADVANCEMENT_GAP];
     for (int i = ADVANCEMENT_UPPER_END; stands && i < functions_of(path); ++i) {
-        at->of[i].bend = bend_along(at->c, path->axis.axis, length) + of_levers;
+        at->of[i].bend = size_within(at->c, &path->axis.axis, 2, length) + of_levers;
     }
     if (stands && !grows) {
         /* the distance from a convex set falls by no more than c changes along its present gradient n */
-        gap->bend = bend_along(at->c, at->geometry.normal, length) + of_levers;
+        gap->bend = size_within(at->c, &at->geometry.normal, 2, length) + of_levers;
         return;
     }
     const bool is_open = stands && !contact_is_capped(&shape); /* motion along an axis leaves d as it is */
@@ -335,10 +327,10 @@ static void bound_bends(const struct advancement_path *path, double time, double
     for (int i = 0; i < ADVANCEMENT_TERMS; ++i) {
         c[i] = is_open ? contact_across(&shape, at->c[i]) : at->c[i];
     }
-    double bend = size_within(c, 2, length) + of_levers;
-    double speed = size_within(c, 1, length) + of_levers * length;
+    double bend = size_within(c, NULL, 2, length) + of_levers;
+    double speed = size_within(c, NULL, 1, length) + of_levers * length;
     if (axis.speed > 0.0) {
-        const double separation = size_within(at->c, 0, length) + 0.5 * of_levers * length * length;
+        const double separation = size_within(at->c, NULL, 0, length) + 0.5 * of_levers * length * length;
         bend += 2.0 * axis.speed * speed + (axis.turn + axis.speed * axis.speed) * separation;
         speed += axis.speed * separation;
     }
@@ -367,7 +359,7 @@ static struct falling beyond_reach(const struct advancement_path *path, const st
     }
     const double slope = distance > 0.0 ? vec3_dot(at->c[0], at->c[1]) / distance : 0.0;
     return (struct falling){distance - farthest, slope,
-                            size_within(at->c, 2, length) + bend_of_levers(path, time, length), 0.0};
+                            size_within(at->c, NULL, 2, length) + bend_of_levers(path, time, length), 0.0};
 }
 
 /* Returns a time during which a function surely stays above -noise [s]. */
@@ -485,13 +477,6 @@ static struct advancement_result located(const struct advancement_path *path, st
     return (struct advancement_result){root, by_gap ? 0.0 : at.geometry.gap, root, evaluations};
 }
 
-/* Returns a time in which the functions rise above zero, by the deciding function's slope [s]; 0: no rise.
- * Functions rise at the start where the opposite change has just been made, not exactly to rounding. */
-static double still_rising_for(struct root_bracket_end now)
-{
-    return now.slope > 0.0 ? -2.0 * now.value / now.slope : 0.0;
-}
-
 struct advancement_result advancement_first(const struct advancement_path *path, double horizon, long budget)
 {
     struct advancement_path moving = *path; /* the axis motion moves on with the search */
@@ -506,7 +491,8 @@ struct advancement_result advancement_first(const struct advancement_path *path,
         const struct root_bracket_end now = {time, decides->value, decides->slope};
         double step = 0.0;
         if (surely_changed(&moving, &at)) {
-            step = before.s < 0.0 ? still_rising_for(now) : 0.0;
+            /* within rounding of the opposite change the functions rise above zero; `step` is how long */
+            step = before.s < 0.0 && now.slope > 0.0 ? -2.0 * now.value / now.slope : 0.0;
             if (!(step > 0.0)) {
                 return located(&moving, before, now, evaluations);
             }

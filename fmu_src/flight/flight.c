@@ -65,9 +65,7 @@ static const double LEAST_DISCRIMINANT = 1e-8;
  * which side of the centre the source is. */
 static const double CLEAR_OF_CENTRE = 1e-9;
 
-/* Returns the part of a term of the motion that changes the gap in head-on flight: for a plane its part along
- * n, for a cylinder its part across the axis. */
-static struct vec3 part_that_counts(const struct contact_shape *shape, struct vec3 normal, struct vec3 a)
+struct vec3 flight_part_that_counts(const struct contact_shape *shape, struct vec3 normal, struct vec3 a)
 {
     return contact_is_plane(shape) ? vec3_scale(contact_along_plane(normal, a), normal)
                                    : contact_across(shape, a);
@@ -77,11 +75,11 @@ bool flight_is_head_on(const struct contact_shape *shape, const struct separatio
                        struct vec3 normal)
 {
     for (int i = 1; i <= separation->degree; ++i) {
-        const struct vec3 moved = part_that_counts(shape, normal, separation->c[i]);
+        const struct vec3 moved = flight_part_that_counts(shape, normal, separation->c[i]);
         const struct vec3 mismatch = vec3_axpy(separation->w[i - 1], -i, separation->c[i]);
         const bool is_along = contact_is_plane(shape) || vec3_is_zero(vec3_cross(normal, moved));
         if (!is_along || (i > 2 && !vec3_is_zero(moved)) ||
-            !(vec3_is_zero(mismatch) || vec3_is_zero(part_that_counts(shape, normal, mismatch)))) {
+            !(vec3_is_zero(mismatch) || vec3_is_zero(flight_part_that_counts(shape, normal, mismatch)))) {
             return false;
         }
     }
@@ -100,29 +98,22 @@ static bool is_clearly_above(const struct parabola *p, double rounding)
            (p->value >= 0.0 && p->rate > 0.0 && p->rate * p->rate > -4.0 * p->bend * rounding);
 }
 
-/* Returns the first zero at which a parabola falls from value >= 0, by the root formula without cancellation
- * and one step of Newton's method. */
-static double first_zero(const struct parabola *p, double discriminant)
-{
-    const double root = sqrt(discriminant);
-    const double t = p->rate < 0.0 ? 2.0 * p->value / (root - p->rate) : -0.5 * (root + p->rate) / p->bend;
-    if (!(t > 0.0 && isfinite(t))) {
-        return (double)INFINITY;
-    }
-    return t - (p->value + t * (p->rate + t * p->bend)) / (p->rate + 2.0 * t * p->bend);
-}
-
-/* Sets the time of the first fall through zero, INFINITY if never; returns false where rounding decides. */
+/* Sets the time of the first fall through zero, INFINITY if never, by the root formula without cancellation
+ * and one step of Newton's method. Returns false where rounding decides. */
 static bool first_fall(const struct parabola *p, double rounding, double *t)
 {
-    const double rate_squared = p->rate * p->rate;
     const double product = 4.0 * p->bend * p->value;
-    const double size = rate_squared + fabs(product);
-    if (!is_clearly_above(p, rounding) || !(fabs(rate_squared - product) > LEAST_DISCRIMINANT * size) ||
+    const double discriminant = p->rate * p->rate - product;
+    const double size = p->rate * p->rate + fabs(product);
+    if (!is_clearly_above(p, rounding) || !(fabs(discriminant) > LEAST_DISCRIMINANT * size) ||
         !isfinite(size)) {
         return false;
     }
-    *t = rate_squared > product ? first_zero(p, rate_squared - product) : (double)INFINITY;
+    const double root = sqrt(fmax(discriminant, 0.0));
+    *t = p->rate < 0.0 ? 2.0 * p->value / (root - p->rate) : -0.5 * (root + p->rate) / p->bend;
+    *t = discriminant > 0.0 && *t > 0.0 && isfinite(*t)
+             ? *t - (p->value + *t * (p->rate + *t * p->bend)) / (p->rate + 2.0 * *t * p->bend)
+             : (double)INFINITY;
     return true;
 }
 

@@ -24,6 +24,10 @@ void flight_turn(struct scene_state *q, int body, double clock);
  * acceleration. The gap is a parabola of time, and the time of its zero is the root of a quadratic equation.
  */
 
+/* Returns the part of a term of the motion that changes the gap in head-on flight: for a plane its part along
+ * n, for a cylinder its part across the axis. */
+struct vec3 flight_part_that_counts(const struct contact_shape *shape, struct vec3 normal, struct vec3 a);
+
 /* Whether flight is head-on: the separation, without a cylinder's axial part, moves exactly along the normal
  * as a parabola of time. */
 bool flight_is_head_on(const struct contact_shape *shape, const struct separation_path *separation,

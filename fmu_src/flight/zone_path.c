@@ -36,9 +36,9 @@ static int add_cone(const struct contact_solid *solid, const struct separation_p
 static double face_margin(const struct contact_solid *solid, struct vec3 c)
 {
     if (SCENE_ANY_SKEW && abs(solid->zone) == SKEW_FACE) {
-        const struct skew_face face = contact_skew_face(solid);
-        return fmin(face.half[0] - fabs(vec3_dot(c, face.across[0])),
-                    face.half[1] - fabs(vec3_dot(c, face.across[1])));
+        const struct skew_frame *face = contact_skew_frame(solid);
+        return fmin(face->reach[0] - fabs(vec3_dot(c, face->across[0])),
+                    face->reach[1] - fabs(vec3_dot(c, face->across[1])));
     }
     const struct solid_place place = contact_place_at(solid, c);
     return solid->zone == ZONE_SIDE ? -place.axial : -place.radial;
@@ -109,9 +109,9 @@ double zone_path_leaves_face(const struct contact_solid *solid, const struct sep
         return (double)INFINITY; /* the path is too short to reach an edge */
     }
     if (SCENE_ANY_SKEW && abs(solid->zone) == SKEW_FACE) {
-        const struct skew_face face = contact_skew_face(solid);
+        const struct skew_frame *face = contact_skew_frame(solid);
         for (int i = 0; i < 2; ++i) {
-            count = separation_path_planes(path, horizon, face.across[i], face.half[i], places, count);
+            count = separation_path_planes(path, horizon, face->across[i], face->reach[i], places, count);
         }
     } else if (solid->zone == ZONE_SIDE) {
         count = separation_path_planes(path, horizon, solid->axis, solid->half_height, places, count);

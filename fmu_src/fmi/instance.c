@@ -67,23 +67,21 @@ static void escape_message(const char *text, const char *doubled, char *escaped)
 {
     while (*text != '\0') {
         const size_t length = character_length(text);
+        const size_t bytes = length > 0 ? length : 1;
         if (strchr(doubled, *text) != NULL) {
             *escaped++ = *text;
         }
-        *escaped++ = *text++;
-        if (length == 0) {
-            escaped[-1] = '?';
-        }
-        for (size_t i = 1; i < length; ++i) {
-            *escaped++ = *text++;
-        }
+        memcpy(escaped, length > 0 ? text : "?", bytes);
+        escaped += bytes;
+        text += bytes;
     }
     *escaped = '\0';
 }
 
-/* Sends "ball at 0.25 s: " followed by the message. */
-static void send_message(struct instance *instance, enum model_status status, const char *message)
+/* Sends "ball at 0.25 s: " followed by a message that is heard; serves as struct model_host.log too. */
+static void send_message(void *context, enum model_status status, const char *message)
 {
+    struct instance *instance = context;
     char text[MESSAGE_SIZE];
     char escaped[2 * MESSAGE_SIZE];
     if (instance->model != NULL) {
@@ -122,14 +120,6 @@ enum model_status log_report(struct instance *instance, enum model_status status
         send_message(instance, status, message);
     }
     return status;
-}
-
-/* Sends a message of the model; serves as struct model_host.log. */
-static void log_from_model(void *context, enum model_status status, const char *message)
-{
-    if (is_heard(context, status)) {
-        send_message(context, status, message);
-    }
 }
 
 /* The names stand in the order of the bits of enum phase; PHASE_TELLING has none. */
@@ -212,25 +202,15 @@ static struct variable_list list_of(const struct instance *instance, const uint3
     return (struct variable_list){references, count, has_vectors(instance)};
 }
 
-/* Returns the variable of a reference, for a vector its first component, or NULL where there is none. */
-static inline const struct variable *variable_of(const struct instance *instance, uint32_t reference)
-{
-    const struct variable_list list = list_of(instance, NULL, 0);
-    return listed_variable(&list, reference);
-}
-
-static const char *real_name(const struct instance *instance)
-{
-    return instance->adapter->type_names[VARIABLE_REAL];
-}
-
 enum { ANY_TYPE = TYPES_REAL | TYPES_INTEGER | TYPES_BOOLEAN | TYPES_ENUMERATION };
 
-/* Returns the variable of a reference if it has one of the types, else NULL after a message. */
+/* Returns the variable of a reference if it has one of the types, for a vector its first component; else
+ * NULL after a message. */
 static inline const struct variable *find_variable(struct instance *instance, uint32_t reference,
                                                    unsigned types)
 {
-    const struct variable *variable = variable_of(instance, reference);
+    const struct variable_list list = list_of(instance, NULL, 0);
+    const struct variable *variable = listed_variable(&list, reference);
     if (variable == NULL) {
         log_report(instance, MODEL_ERROR, ": unknown value reference %u", (unsigned)reference);
     } else if ((types & (1u << variable->type)) == 0) {
@@ -241,81 +221,89 @@ static inline const struct variable *find_variable(struct instance *instance, ui
     return variable;
 }
 
-/* Returns the variable if it may be read. Before initialization mode only parameters and inputs may be, since
- * the other variables are not computed yet. */
-static inline const struct variable *find_readable(struct instance *instance, uint32_t reference,
-                                                   unsigned types)
+/* Returns MODEL_OK if the present call may use a variable, to read or to set it by the name of the check.
+ * Otherwise it sends a message. */
+typedef enum model_status variable_check(struct instance *instance, const struct variable *variable);
+
+/* Before initialization mode only parameters and inputs may be read, since the other variables are not
+ * computed yet. */
+static inline enum model_status check_readable(struct instance *instance, const struct variable *variable)
 {
-    const struct variable *variable = find_variable(instance, reference, types);
-    if (variable != NULL && (instance->experiment.phase & PHASE_INSTANTIATED) != 0 &&
-        variable->causality != VARIABLE_PARAMETER && variable->causality != VARIABLE_INPUT &&
-        variable->causality != VARIABLE_INDEPENDENT) {
-        log_report(instance, MODEL_ERROR, ": %s has no value before initialization mode", variable->name);
-        return NULL;
-    }
-    return variable;
+    const enum variable_causality role = (enum variable_causality)variable->causality;
+    return (instance->experiment.phase & PHASE_INSTANTIATED) == 0 || role == VARIABLE_PARAMETER ||
+                   role == VARIABLE_INPUT || role == VARIABLE_INDEPENDENT
+               ? MODEL_OK
+               : log_report(instance, MODEL_ERROR, ": %s has no value before initialization mode",
+                            variable->name);
 }
 
-/* Returns the variable if it may be set. Parameters may be set until the end of initialization, tunable ones
- * also at communication points or events, and inputs always. */
-static inline const struct variable *find_settable(struct instance *instance, uint32_t reference,
-                                                   unsigned types)
+/* Parameters may be set until the end of initialization, tunable ones also at communication points or events,
+ * and inputs always. */
+static inline enum model_status check_settable(struct instance *instance, const struct variable *variable)
 {
-    const struct variable *variable = find_variable(instance, reference, types);
-    if (variable == NULL || variable->causality == VARIABLE_INPUT) {
-        return variable;
-    }
+    const enum variable_causality role = (enum variable_causality)variable->causality;
+    const enum phase phase = instance->experiment.phase;
     const unsigned before = PHASE_INSTANTIATED | PHASE_INITIALIZATION;
     const unsigned phases = variable->tunable ? before | instance->tuning_phases : before;
     /* Model Exchange of FMI 3.0 may set states, in event mode only those that events do not make jump
      * (FMI 3.0.2, sections 2.3.5 and 3.2.1) */
     const bool sets_state = instance->host.exchange && has_vectors(instance) &&
-                            (instance->experiment.phase == PHASE_CONTINUOUS ||
-                             (instance->experiment.phase == PHASE_EVENT && !variable->reinit));
-    if ((variable->causality == VARIABLE_PARAMETER && (instance->experiment.phase & phases) != 0) ||
-        (variable->causality == VARIABLE_STATE && sets_state)) {
-        return variable;
+                            (phase == PHASE_CONTINUOUS || (phase == PHASE_EVENT && !variable->reinit));
+    if (role == VARIABLE_INPUT || (role == VARIABLE_PARAMETER && (phase & phases) != 0) ||
+        (role == VARIABLE_STATE && sets_state)) {
+        return MODEL_OK;
     }
-    log_report(instance, MODEL_ERROR, ": %s %s", variable->name,
-               variable->causality == VARIABLE_INDEPENDENT ? "is the independent variable and cannot be set"
-               : variable->causality != VARIABLE_PARAMETER ? "is calculated and cannot be set"
-               : !variable->tunable                        ? "is a parameter, fixed after initialization"
-                                    : "is a tunable parameter, to be set in event mode");
-    return NULL;
+    return log_report(instance, MODEL_ERROR, ": %s %s", variable->name,
+                      role == VARIABLE_INDEPENDENT ? "is the independent variable and cannot be set"
+                      : role != VARIABLE_PARAMETER ? "is calculated and cannot be set"
+                      : !variable->tunable         ? "is a parameter, fixed after initialization"
+                                                   : "is a tunable parameter, to be set in event mode");
+}
+
+static enum model_status check_real(struct instance *instance, const struct variable *variable,
+                                    enum variable_causality causality)
+{
+    return variable->type == VARIABLE_REAL && variable->causality == causality
+               ? MODEL_OK
+               : log_report(instance, MODEL_ERROR, ": value reference %u is %s, which is no %s %s",
+                            (unsigned)variable->reference, variable->name,
+                            instance->adapter->type_names[VARIABLE_REAL],
+                            causality == VARIABLE_INPUT ? "input" : "output");
 }
 
 const struct variable *find_real(struct instance *instance, uint32_t reference,
                                  enum variable_causality causality)
 {
     const struct variable *variable = find_variable(instance, reference, ANY_TYPE);
-    if (variable != NULL && (variable->type != VARIABLE_REAL || variable->causality != causality)) {
-        log_report(instance, MODEL_ERROR, ": value reference %u is %s, which is no %s %s",
-                   (unsigned)reference, variable->name, real_name(instance),
-                   causality == VARIABLE_INPUT ? "input" : "output");
-        return NULL;
-    }
-    return variable;
+    return variable != NULL && check_real(instance, variable, causality) == MODEL_OK ? variable : NULL;
 }
 
-/* find_variable, find_readable or find_settable */
-typedef const struct variable *variable_finder(struct instance *instance, uint32_t reference, unsigned types);
-
-/* Checks that all references of a list are found and have as many components as the importer counts. */
-static enum model_status check_components(struct instance *instance, variable_finder *find, unsigned types,
-                                          const struct variable_list *list, const char *name, size_t given)
+/* Checks that the call may use all variables of a list and that they have as many components as the importer
+ * counts. */
+static enum model_status check_list(struct instance *instance, variable_check *check, unsigned types,
+                                    const struct variable_list *list, const char *name, size_t given)
 {
+    enum model_status status = MODEL_OK;
     size_t components = 0;
-    for (size_t i = 0; i < list->count; ++i) {
-        const struct variable *first = find(instance, list->references[i], types);
-        if (first == NULL) {
-            return MODEL_ERROR;
-        }
-        components += list->vectors ? first->length : 1;
+    for (size_t i = 0; i < list->count && status == MODEL_OK; ++i) {
+        const struct variable *first = find_variable(instance, list->references[i], types);
+        status = first != NULL ? check(instance, first) : MODEL_ERROR;
+        components += first != NULL && list->vectors ? first->length : 1;
     }
-    return given == components
-               ? MODEL_OK
+    return given == components || status != MODEL_OK
+               ? status
                : log_report(instance, MODEL_ERROR, ": %s = %lu, expected %lu for the value references", name,
                             (unsigned long)given, (unsigned long)components);
+}
+
+/* Checks the same of a call that gets or sets values, and that both of its arrays were given. */
+static enum model_status check_values(struct instance *instance, variable_check *check, unsigned types,
+                                      const struct variable_list *list, const void *values, size_t count)
+{
+    return array_given(instance, "valueReferences", list->references, list->count) &&
+                   array_given(instance, "values", values, count)
+               ? check_list(instance, check, types, list, "nValues", count)
+               : MODEL_ERROR;
 }
 
 /*
@@ -372,13 +360,6 @@ static inline void number_to(const struct instance *instance, const struct varia
     }
 }
 
-static bool values_ready(struct instance *instance, const uint32_t *references, size_t reference_count,
-                         const void *values, size_t count)
-{
-    return array_given(instance, "valueReferences", references, reference_count) &&
-           array_given(instance, "values", values, count);
-}
-
 CONTACT_NOINLINE enum model_status instance_get_values(struct instance *instance, unsigned types,
                                                        const uint32_t *references, size_t reference_count,
                                                        void *values, size_t count)
@@ -389,12 +370,9 @@ CONTACT_NOINLINE enum model_status instance_get_values(struct instance *instance
         model_get_reals(instance->model, &list, count, values)) {
         return MODEL_OK;
     }
-    if (!values_ready(instance, references, reference_count, values, count)) {
-        return MODEL_ERROR;
-    }
     size_t place = 0;
     char *to = values;
-    enum model_status status = check_components(instance, find_readable, types, &list, "nValues", count);
+    enum model_status status = check_values(instance, check_readable, types, &list, values, count);
     for (const struct variable *one = NULL;
          to != NULL && status == MODEL_OK && (one = next_variable(&list, one, &place)) != NULL;) {
         double number = model_time(instance->model);
@@ -413,10 +391,7 @@ enum model_status instance_set_values(struct instance *instance, unsigned types,
                                       size_t reference_count, const void *values, size_t count)
 {
     const struct variable_list list = list_of(instance, references, reference_count);
-    if (!values_ready(instance, references, reference_count, values, count)) {
-        return MODEL_ERROR;
-    }
-    enum model_status status = check_components(instance, find_settable, types, &list, "nValues", count);
+    enum model_status status = check_values(instance, check_settable, types, &list, values, count);
     for (int setting = 0; setting < 2; ++setting) { /* all values are checked before any is set */
         size_t place = 0;
         const char *from = values;
@@ -447,61 +422,64 @@ enum model_status check_order(struct instance *instance, const struct variable *
     return MODEL_OK;
 }
 
-static enum model_status check_output_derivative(struct instance *instance, uint32_t reference, int order)
+static enum model_status check_output(struct instance *instance, const struct variable *variable)
 {
-    const struct variable *variable = find_real(instance, reference, VARIABLE_OUTPUT);
-    if (variable == NULL) {
-        return MODEL_ERROR;
-    }
-    if (!model_has_derivatives(variable)) {
-        return log_report(instance, MODEL_DISCARD,
-                          ": %s sums up the last step; its derivatives are not provided, allowed: those of "
-                          "the other %s outputs",
-                          variable->name, real_name(instance));
-    }
-    return check_order(instance, variable, order);
+    const enum model_status status = check_real(instance, variable, VARIABLE_OUTPUT);
+    return status != MODEL_OK || model_has_derivatives(variable)
+               ? status
+               : log_report(instance, MODEL_DISCARD,
+                            ": %s sums up the last step; its derivatives are not provided, allowed: those of "
+                            "the other %s outputs",
+                            variable->name, instance->adapter->type_names[VARIABLE_REAL]);
 }
 
 enum model_status instance_output_derivatives(struct instance *instance, const uint32_t *references,
                                               const int *orders, size_t reference_count, double *values,
                                               size_t count)
 {
-    if (!values_ready(instance, references, reference_count, values, count) ||
-        !array_given(instance, "orders", orders, reference_count)) {
+    const struct variable_list list = list_of(instance, references, reference_count);
+    enum model_status status = check_values(instance, check_output, ANY_TYPE, &list, values, count);
+    if (status == MODEL_OK && !array_given(instance, "orders", orders, reference_count)) {
         return MODEL_ERROR;
     }
-    const struct variable_list list = list_of(instance, references, reference_count);
-    enum model_status status = check_components(instance, find_variable, ANY_TYPE, &list, "nValues", count);
     for (size_t i = 0; i < reference_count && status == MODEL_OK; ++i) {
-        status = check_output_derivative(instance, references[i], orders[i]);
+        status = check_order(instance, listed_variable(&list, references[i]), orders[i]);
     }
     return status == MODEL_OK ? model_get_output_derivatives(instance->model, &list, orders, values) : status;
 }
 
-/* Checks whether a variable may be a known or an unknown. Knowns are the inputs, and after initialization the
- * states. Unknowns are the outputs and the rates of the states. In initialization mode the calculated
- * parameters and the states are unknowns too (ModelStructure: initial unknowns). Co-Simulation of FMI 2.0 has
- * no states. */
-static enum model_status check_role(struct instance *instance, uint32_t reference, bool is_known)
+/* Whether the importer knows of states. Co-Simulation of FMI 2.0 has none. */
+static bool has_states(const struct instance *instance)
 {
-    const struct variable *variable = variable_of(instance, reference);
+    return instance->host.exchange || has_vectors(instance);
+}
+
+/* Knowns are the inputs, and after initialization the states. */
+static enum model_status check_known(struct instance *instance, const struct variable *variable)
+{
     const bool starting = (instance->experiment.phase & PHASE_INITIALIZATION) != 0;
-    const bool has_states = instance->host.exchange || has_vectors(instance);
-    const enum variable_causality role =
-        variable != NULL ? (enum variable_causality)variable->causality : VARIABLE_INDEPENDENT;
-    if ((role == VARIABLE_STATE && has_states && starting != is_known) ||
-        (role == VARIABLE_RATE && has_states && !is_known) ||
-        (role == VARIABLE_CALCULATED_PARAMETER && starting && !is_known)) {
+    if (variable->causality == VARIABLE_STATE && has_states(instance) && !starting) {
         return MODEL_OK;
     }
-    if (role == VARIABLE_PARAMETER && starting && is_known && variable->type == VARIABLE_REAL) {
-        return log_report(instance, MODEL_DISCARD,
-                          ": derivatives with respect to the parameter %s are not provided, allowed: with "
-                          "respect to %s inputs",
-                          variable->name, real_name(instance));
-    }
-    return find_real(instance, reference, is_known ? VARIABLE_INPUT : VARIABLE_OUTPUT) != NULL ? MODEL_OK
-                                                                                               : MODEL_ERROR;
+    return starting && variable->causality == VARIABLE_PARAMETER && variable->type == VARIABLE_REAL
+               ? log_report(instance, MODEL_DISCARD,
+                            ": derivatives with respect to the parameter %s are not provided, allowed: with "
+                            "respect to %s inputs",
+                            variable->name, instance->adapter->type_names[VARIABLE_REAL])
+               : check_real(instance, variable, VARIABLE_INPUT);
+}
+
+/* Unknowns are the outputs and the rates of the states. In initialization mode the calculated parameters and
+ * the states are unknowns too (ModelStructure: initial unknowns). */
+static enum model_status check_unknown(struct instance *instance, const struct variable *variable)
+{
+    const bool starting = (instance->experiment.phase & PHASE_INITIALIZATION) != 0;
+    const enum variable_causality role = (enum variable_causality)variable->causality;
+    return (role == VARIABLE_STATE && has_states(instance) && starting) ||
+                   (role == VARIABLE_RATE && has_states(instance)) ||
+                   (role == VARIABLE_CALCULATED_PARAMETER && starting)
+               ? MODEL_OK
+               : check_real(instance, variable, VARIABLE_OUTPUT);
 }
 
 /* Checks that the seeds of all variables of a list are finite. */
@@ -518,27 +496,25 @@ static enum model_status check_seeds(struct instance *instance, const struct var
     return MODEL_OK;
 }
 
-enum model_status instance_product(struct instance *instance, const struct product *p)
+enum model_status instance_product(struct instance *instance, const struct product *p, size_t seed_count,
+                                   size_t sensitivity_count)
 {
-    for (int knowns = 0; knowns < 2; ++knowns) {
+    enum model_status status = MODEL_OK;
+    for (int knowns = 0; knowns < 2 && status == MODEL_OK; ++knowns) {
         const struct variable_list *list = knowns ? &p->knowns : &p->unknowns;
-        const size_t components = knowns ? p->known_components : p->unknown_components;
         const bool has_seeds = knowns != p->adjoint;
+        const size_t components = has_seeds ? seed_count : sensitivity_count;
         if (!array_given(instance, knowns ? "knowns" : "unknowns", list->references, list->count) ||
             !array_given(instance, has_seeds ? "seed" : "sensitivity", has_seeds ? p->seed : p->sensitivity,
-                         components) ||
-            check_components(instance, find_variable, ANY_TYPE, list, has_seeds ? "nSeed" : "nSensitivity",
-                             components) != MODEL_OK) {
+                         components)) {
             return MODEL_ERROR;
         }
-        for (size_t i = 0; i < list->count; ++i) {
-            const enum model_status status = check_role(instance, list->references[i], knowns);
-            if (status != MODEL_OK) {
-                return status;
-            }
-        }
+        status = check_list(instance, knowns ? check_known : check_unknown, ANY_TYPE, list,
+                            has_seeds ? "nSeed" : "nSensitivity", components);
     }
-    const enum model_status status = check_seeds(instance, p->adjoint ? &p->unknowns : &p->knowns, p->seed);
+    if (status == MODEL_OK) {
+        status = check_seeds(instance, p->adjoint ? &p->unknowns : &p->knowns, p->seed);
+    }
     return status == MODEL_OK ? model_product(instance->model, p) : status;
 }
 
@@ -552,47 +528,41 @@ static double time_slack(double t, double h)
     return fmax(STEP_SLACK * h, 4.0 * DBL_EPSILON * fabs(t));
 }
 
-static enum model_status refuse_step_size(struct instance *instance, double time, double size)
+/* Checks that a step of `size` [s] does not end past the stop time. */
+static enum model_status check_end(struct instance *instance, double end, double size)
 {
-    return log_report(instance, MODEL_DISCARD,
-                      ": communicationStepSize = %s s, allowed: finite and large enough to change the "
-                      "time %s s, that is more than %.3g s",
-                      shortest_digits(size).text, shortest_digits(time).text, DBL_EPSILON * fabs(time));
+    const double stop = instance->experiment.stop_time;
+    return end <= stop + time_slack(stop, size)
+               ? MODEL_OK
+               : log_report(instance, MODEL_ERROR, ": step to %s s goes past stopTime = %s s",
+                            shortest_digits(end).text, shortest_digits(stop).text);
 }
 
-static enum model_status check_step(struct instance *instance, double point, double size)
+static enum model_status check_step(struct instance *instance, double point, double size, double end)
 {
     const double time = model_time(instance->model);
-    if (!(size > 0.0)) {
-        return refuse_step_size(instance, time, size);
-    }
-    /* A NaN is refused too. */
-    if (!(fabs(point - time) <= time_slack(time, size))) {
+    /* A NaN is refused by each of these conditions; no step without a size has a point to begin at. */
+    if (size > 0.0 && !(fabs(point - time) <= time_slack(time, size))) {
         return log_report(instance, MODEL_ERROR,
                           ": currentCommunicationPoint = %s s, expected the time reached, %s s",
                           shortest_digits(point).text, shortest_digits(time).text);
     }
-    const double end = point + size; /* infinite where the size is infinite */
-    if (!(end > time && end <= DBL_MAX)) {
-        return refuse_step_size(instance, time, size);
+    if (!(size > 0.0 && end > time && end <= DBL_MAX)) {
+        return log_report(instance, MODEL_DISCARD,
+                          ": communicationStepSize = %s s, allowed: finite and large enough to change the "
+                          "time %s s, that is more than %.3g s",
+                          shortest_digits(size).text, shortest_digits(time).text, DBL_EPSILON * fabs(time));
     }
-    const double stop = instance->experiment.stop_time;
-    if (end > stop + time_slack(stop, size)) {
-        return log_report(instance, MODEL_ERROR, ": step to %s s goes past stopTime = %s s",
-                          shortest_digits(end).text, shortest_digits(stop).text);
-    }
-    return MODEL_OK;
+    return check_end(instance, end, size);
 }
 
 enum model_status instance_step(struct instance *instance, double point, double size,
                                 const struct step_request *request)
 {
-    enum model_status status = check_step(instance, point, size);
-    instance->asked_end = point + size;
+    enum model_status status = check_step(instance, point, size, request->end_time);
+    instance->asked_end = request->end_time;
     if (status == MODEL_OK) {
-        struct step_request whole = *request;
-        whole.end_time = point + size;
-        status = model_step(instance->model, &whole);
+        status = model_step(instance->model, request);
         if (status >= MODEL_ERROR) {
             instance->experiment.phase = status == MODEL_ERROR ? PHASE_ERROR : PHASE_FATAL;
         }
@@ -617,17 +587,11 @@ enum model_status exchange_accept_step(struct instance *instance, void *enters_e
     }
     memset(enters_events, 0, size);
     memset(terminates, 0, size);
-    const double time = model_time(instance->model);
-    const double stop = instance->experiment.stop_time;
-    if (time > stop + time_slack(stop, 0.0)) {
-        return log_report(instance, MODEL_ERROR, ": step to %.17g s goes past stopTime = %.17g s", time,
-                          stop);
-    }
-    return model_exchange_accept(instance->model);
+    const enum model_status status = check_end(instance, model_time(instance->model), 0.0);
+    return status == MODEL_OK ? model_exchange_accept(instance->model) : status;
 }
 
-/* Whether the call has an array of `expected` numbers. */
-static bool numbers_ready(struct instance *instance, const double *values, size_t count, size_t expected)
+bool numbers_ready(struct instance *instance, const double *values, size_t count, size_t expected)
 {
     if (count != expected) {
         log_report(instance, MODEL_ERROR, ": %lu values, expected %lu", (unsigned long)count,
@@ -635,22 +599,6 @@ static bool numbers_ready(struct instance *instance, const double *values, size_
         return false;
     }
     return array_given(instance, "the array of values", values, count);
-}
-
-enum model_status exchange_set_states(struct instance *instance, const double *states, size_t count)
-{
-    return numbers_ready(instance, states, count, SCENE_STATES)
-               ? model_exchange_set_states(instance->model, states)
-               : MODEL_ERROR;
-}
-
-enum model_status exchange_get(struct instance *instance, enum exchange_values which, double *values,
-                               size_t count)
-{
-    const size_t expected = which == EXCHANGE_INDICATORS ? SCENE_INDICATORS : SCENE_STATES;
-    return numbers_ready(instance, values, count, expected)
-               ? model_exchange_get(instance->model, which, values)
-               : MODEL_ERROR;
 }
 
 /*
@@ -685,21 +633,20 @@ _Static_assert(offsetof(struct state_block, model) ==
 
 #define CHECKED_FROM (offsetof(struct block_header, checksum) + sizeof(uint32_t))
 
-static struct state_block *state_list_find(const struct instance *instance, const void *address)
-{
-    struct state_block *block = instance->states;
-    while (block != NULL && block != address) {
-        block = block->next;
-    }
-    return block;
-}
-
-static void state_list_remove(struct instance *instance, struct state_block *block)
+/* Returns the link of the list that points to the block at an address, or the last link, which is NULL. */
+static struct state_block **link_of(struct instance *instance, const void *address)
 {
     struct state_block **link = &instance->states;
-    while (*link != block) {
+    while (*link != NULL && *link != address) {
         link = &(*link)->next;
     }
+    return link;
+}
+
+/* Takes the block that a link points to out of the list and frees it. */
+static void remove_block(struct instance *instance, struct state_block **link)
+{
+    struct state_block *block = *link;
     *link = block->next;
     instance->host.release(block);
 }
@@ -715,17 +662,14 @@ static uint32_t block_checksum(const void *block)
                        block_size() - CHECKED_FROM);
 }
 
-static void write_block(struct instance *instance, struct state_block *block)
+/* Returns the header of a state that this instance saves now, without its checksum. */
+static struct block_header new_header(const struct instance *instance)
 {
-    model_save(instance->model, block->model);
-    block->header = (struct block_header){
-        .magic = instance->adapter->state_magic,
-        .version = BLOCK_VERSION,
-        .scene = SCENE_HASH,
-        .size = block_size(),
-        .experiment = instance->experiment,
-    };
-    block->header.checksum = block_checksum(&block->header);
+    return (struct block_header){.magic = instance->adapter->state_magic,
+                                 .version = BLOCK_VERSION,
+                                 .scene = SCENE_HASH,
+                                 .size = block_size(),
+                                 .experiment = instance->experiment};
 }
 
 static bool plausible_experiment(const struct instance *instance, const struct experiment *experiment)
@@ -741,41 +685,32 @@ static bool plausible_experiment(const struct instance *instance, const struct e
            isfinite(experiment->start_time) && experiment->stop_time >= experiment->start_time;
 }
 
-static enum model_status refuse_number(struct instance *instance, const char *what, unsigned long got,
-                                       unsigned long expected)
-{
-    return log_report(instance, MODEL_ERROR, ": state has %s %lu (0x%lX), expected %lu (0x%lX)", what, got,
-                      got, expected, expected);
-}
-
 /* Whether a block of `size` bytes is a whole state of this FMU. Nothing is read beyond `size`. */
 static enum model_status check_block(struct instance *instance, const void *block, size_t size)
 {
-    struct block_header header;
-    if (size < sizeof header) {
-        return refuse_number(instance, "size", (unsigned long)size, (unsigned long)block_size());
+    const struct block_header right = new_header(instance);
+    struct block_header header = right; /* a block that is too short for a header only has a wrong size */
+    memcpy(&header, block, size < sizeof header ? 0 : sizeof header);
+    const uint32_t sum = size == right.size ? block_checksum(block) : header.checksum;
+    const struct {
+        const char *what;
+        uint64_t got, expected;
+    } rows[] = {{"magic number", header.magic, right.magic},
+                {"version", header.version, right.version},
+                {"model", header.scene, right.scene},
+                {"size", size, right.size},
+                {"size in the header", header.size, right.size},
+                {"checksum", sum, header.checksum}};
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; ++i) {
+        if (rows[i].got != rows[i].expected) {
+            const unsigned long got = (unsigned long)rows[i].got, expected = (unsigned long)rows[i].expected;
+            return log_report(instance, MODEL_ERROR, ": state has %s %lu (0x%lX), expected %lu (0x%lX)",
+                              rows[i].what, got, got, expected, expected);
+        }
     }
-    memcpy(&header, block, sizeof header);
-    const uint32_t magic = instance->adapter->state_magic;
-    if (header.magic != magic) {
-        return refuse_number(instance, "magic number", header.magic, magic);
-    }
-    if (header.version != BLOCK_VERSION) {
-        return refuse_number(instance, "version", header.version, BLOCK_VERSION);
-    }
-    if (header.scene != SCENE_HASH) {
-        return refuse_number(instance, "model", header.scene, SCENE_HASH);
-    }
-    if (size != block_size() || header.size != size) {
-        return refuse_number(instance, "size", (unsigned long)size, (unsigned long)block_size());
-    }
-    if (block_checksum(block) != header.checksum) {
-        return refuse_number(instance, "checksum", block_checksum(block), header.checksum);
-    }
-    if (!plausible_experiment(instance, &header.experiment)) {
-        return log_report(instance, MODEL_ERROR, ": state has a header out of range");
-    }
-    return MODEL_OK;
+    return plausible_experiment(instance, &header.experiment)
+               ? MODEL_OK
+               : log_report(instance, MODEL_ERROR, ": state has a header out of range");
 }
 
 /* Returns the block of an importer's state, or NULL, after a message, where the state is unknown. */
@@ -784,7 +719,7 @@ static struct state_block *given_block(struct instance *instance, void *state)
     if (!array_given(instance, "FMUState", state, 1)) {
         return NULL;
     }
-    struct state_block *block = state_list_find(instance, state);
+    struct state_block *block = *link_of(instance, state);
     if (block == NULL) {
         log_report(instance, MODEL_ERROR,
                    ": FMUState is unknown, expected a state that this instance gave and that is not freed");
@@ -798,7 +733,7 @@ static struct state_block *given_block(struct instance *instance, void *state)
  */
 static struct state_block *block_to_write(struct instance *instance, void **state)
 {
-    struct state_block *block = state_list_find(instance, *state);
+    struct state_block *block = *link_of(instance, *state);
     if (block != NULL) {
         return block;
     }
@@ -822,7 +757,9 @@ enum model_status state_block_get(struct instance *instance, void **state)
     if (block == NULL) {
         return MODEL_ERROR;
     }
-    write_block(instance, block);
+    model_save(instance->model, block->model);
+    block->header = new_header(instance);
+    block->header.checksum = block_checksum(&block->header);
     return MODEL_OK;
 }
 
@@ -848,7 +785,7 @@ enum model_status state_block_free(struct instance *instance, void **state)
     if (block == NULL) {
         return MODEL_ERROR;
     }
-    state_list_remove(instance, block);
+    remove_block(instance, link_of(instance, block));
     *state = NULL;
     return MODEL_OK;
 }
@@ -908,24 +845,21 @@ bool instance_expects(struct instance *nobody, bool holds, const char *argument,
     return holds;
 }
 
-bool instance_identified(struct instance *nobody, const char *name, const char *token_name, const char *token,
-                         const char *expected)
+struct instance *instance_create(struct instance *nobody, size_t size, const char *token, bool logging_on)
 {
-    const bool named = name != NULL && name[0] != '\0';
-    return instance_expects(nobody, named, "instanceName", name, "any name") &&
-           instance_expects(nobody, token != NULL && strcmp(token, expected) == 0, token_name, token,
-                            expected);
-}
-
-struct instance *instance_create(struct instance *nobody, size_t size, bool logging_on)
-{
+    const struct adapter *adapter = nobody->adapter;
     const size_t name_size = strlen(nobody->name) + 1;
+    if (!instance_expects(nobody, name_size > 1, "instanceName", nobody->name, "any name") ||
+        !instance_expects(nobody, token != NULL && strcmp(token, adapter->token) == 0, adapter->token_name,
+                          token, adapter->token)) {
+        return NULL;
+    }
     struct instance *instance = nobody->host.allocate(1, size + name_size);
     if (instance != NULL) {
         memcpy(instance, nobody, size);
         instance->name = memcpy((char *)instance + size, nobody->name, name_size);
         instance->host.context = instance;
-        instance->host.log = log_from_model;
+        instance->host.log = send_message;
         instance->host.wants = is_heard;
         instance->logging_on = logging_on;
         instance->tuning_phases = PHASE_STEP | PHASE_EVENT;
@@ -945,7 +879,7 @@ void instance_free(struct instance *instance)
     if (instance != NULL && (instance->experiment.phase & (PHASE_TELLING | PHASE_INTERMEDIATE)) == 0) {
         void (*release)(void *) = instance->host.release;
         while (instance->states != NULL) { /* states that the importer has not freed */
-            state_list_remove(instance, instance->states);
+            remove_block(instance, &instance->states);
         }
         model_destroy(instance->model);
         release(instance);
@@ -998,20 +932,19 @@ enum model_status instance_set_up(struct instance *instance, bool tolerance_defi
 
 enum model_status instance_exit_initialization(struct instance *instance, bool events)
 {
-    const enum model_status status = model_exit_initialization(instance->model);
-    if (status <= MODEL_WARNING) {
-        instance->experiment.phase = events || instance->host.exchange ? PHASE_EVENT : PHASE_STEP;
-    }
-    return status;
+    const enum phase next = events || instance->host.exchange ? PHASE_EVENT : PHASE_STEP;
+    return instance_enter(instance, model_exit_initialization(instance->model), next);
 }
 
-enum model_status instance_enter(struct instance *instance, enum phase next)
+enum model_status instance_enter(struct instance *instance, enum model_status status, enum phase next)
 {
-    instance->experiment.phase = next;
-    if (instance->host.exchange && (next & PHASES_EXCHANGED) != 0) {
-        model_exchange_set_continuous(instance->model, next == PHASE_CONTINUOUS);
+    if (status <= MODEL_WARNING) {
+        instance->experiment.phase = next;
+        if (instance->host.exchange && (next & PHASES_EXCHANGED) != 0) {
+            model_exchange_set_continuous(instance->model, next == PHASE_CONTINUOUS);
+        }
     }
-    return MODEL_OK;
+    return status;
 }
 
 enum model_status instance_reset(struct instance *instance)

@@ -55,7 +55,8 @@ struct instance;
 
 /* The differences between the versions of the standard. */
 struct adapter {
-    int version; /* 2 or 3 */
+    int version;                    /* 2 or 3 */
+    const char *token_name, *token; /* by which an importer tells that it means this FMU */
     /* Hands a message over to the importer. */
     void (*send)(struct instance *instance, enum model_status status, const char *category, const char *text);
     const char *doubled;       /* characters that a message to the importer's logger has to double */
@@ -113,6 +114,16 @@ enum log_category {
 enum model_status log_report(struct instance *instance, enum model_status status, const char *format, ...)
     CONTACT_PRINTF_LIKE(3, 4);
 
+/* Defines a function of the standard. It evaluates `result` where it may be called now; `absent` says why it
+ * never may, or is NULL. */
+#define CALL_OF(status, function, kind, phases, absent, parameters, result)                                  \
+    CONTACT_EXPORTED status function parameters                                                              \
+    {                                                                                                        \
+        static const struct call call = {#function, CALL_##kind, phases, absent};                            \
+        struct instance *instance = c;                                                                       \
+        return (status)(call_begin(instance, &call) ? (result) : MODEL_ERROR);                               \
+    }
+
 /* Begins a call of a function of the standard. Whether it is allowed now; if not, a message says why. For a
  * null instance it returns false without a message. The functions below are called within an allowed call. */
 bool call_begin(struct instance *instance, const struct call *call);
@@ -151,8 +162,10 @@ CONTACT_COLD enum model_status instance_output_derivatives(struct instance *inst
                                                            size_t reference_count, double *values,
                                                            size_t count);
 
-/* Computes a product with the derivatives of unknowns with respect to knowns. */
-CONTACT_COLD enum model_status instance_product(struct instance *instance, const struct product *product);
+/* Computes a product with the derivatives of unknowns with respect to knowns. The counts are those of the
+ * importer's arrays. */
+CONTACT_COLD enum model_status instance_product(struct instance *instance, const struct product *product,
+                                                size_t seed_count, size_t sensitivity_count);
 
 /* Allowed difference of two times that should be equal, divided by the step size. */
 #define STEP_SLACK 1e-6
@@ -164,8 +177,8 @@ CONTACT_COLD enum model_status instance_product(struct instance *instance, const
  */
 bool step_plainly_in_order(const struct instance *instance, double point, double size);
 
-/* Takes a communication step from `point` to `point + size` [s]. A step of no length, from a wrong time or
- * past the stop time is refused. The end_time of `request` is not used. */
+/* Takes a communication step of `size` [s] from `point` to the end_time of `request` [s]. A step of no
+ * length, from a wrong time or past the stop time is refused. */
 enum model_status instance_step(struct instance *instance, double point, double size,
                                 const struct step_request *request);
 
@@ -178,23 +191,20 @@ double instance_time_reached(const struct instance *instance);
 enum model_status exchange_accept_step(struct instance *instance, void *enters_events, void *terminates,
                                        size_t size);
 
-/* `count` is the number of values that the importer expects. */
-enum model_status exchange_set_states(struct instance *instance, const double *states, size_t count);
-enum model_status exchange_get(struct instance *instance, enum exchange_values which, double *values,
-                               size_t count);
+/* Whether the importer has given an array for `expected` numbers and `count` is as many; if not, a message
+ * says so. */
+bool numbers_ready(struct instance *instance, const double *values, size_t count, size_t expected);
 
 /* Checks an argument of the instantiation; if it is wrong, says so through `nobody`, an instance that lives
  * only for messages. */
 bool instance_expects(struct instance *nobody, bool holds, const char *argument, const char *given,
                       const char *expected);
 
-/* Checks the name of an instance and the token by which the importer names the FMU. */
-bool instance_identified(struct instance *nobody, const char *name, const char *token_name, const char *token,
-                         const char *expected);
-
 /* Returns a new instance with its own model, copied from `nobody`, which begins a struct of `size` bytes.
- * NULL: memory is exhausted, and a message has said so. */
-CONTACT_COLD struct instance *instance_create(struct instance *nobody, size_t size, bool logging_on);
+ * NULL: the instance has no name, the importer's token is not that of this FMU, or memory is exhausted, and a
+ * message has said so. */
+CONTACT_COLD struct instance *instance_create(struct instance *nobody, size_t size, const char *token,
+                                              bool logging_on);
 
 /* Frees an instance; does nothing while the instance's logger or another callback runs. */
 void instance_free(struct instance *instance);
@@ -213,8 +223,9 @@ CONTACT_COLD enum model_status instance_set_up(struct instance *instance, bool t
  * can be set. */
 enum model_status instance_exit_initialization(struct instance *instance, bool events);
 
-/* Enters the phase `next`. In Model Exchange the model is told of event mode and of continuous-time mode. */
-enum model_status instance_enter(struct instance *instance, enum phase next);
+/* Enters the phase `next` unless `status` is worse than a warning, and returns `status`. In Model Exchange
+ * the model is told of event mode and of continuous-time mode. */
+enum model_status instance_enter(struct instance *instance, enum model_status status, enum phase next);
 
 enum model_status instance_reset(struct instance *instance);
 

@@ -25,15 +25,10 @@ _Static_assert((int)MODEL_FATAL == (int)fmi2Fatal, "status order");
  * may be called (struct call), after the tables "calling sequence" of FMI 2.0.5, sections 3.2.3 and 4.2.4.
  * Two extensions do no harm: variables that have a start value may be read while instantiated, and the status
  * functions answer after a failed step too. Model Exchange is never in step mode, Co-Simulation never in
- * event mode or continuous-time mode. A function evaluates `result` where it may be called now.
+ * event mode or continuous-time mode.
  */
 #define CALL2(function, kind, phases, parameters, result)                                                    \
-    CONTACT_EXPORTED fmi2Status fmi2##function parameters                                                    \
-    {                                                                                                        \
-        static const struct call call = {"fmi2" #function, CALL_##kind, phases, NULL};                       \
-        struct instance *instance = c;                                                                       \
-        return (fmi2Status)(call_begin(instance, &call) ? (result) : MODEL_ERROR);                           \
-    }
+    CALL_OF(fmi2Status, fmi2##function, kind, phases, NULL, parameters, result)
 
 static void fmi2_send(struct instance *instance, enum model_status status, const char *category,
                       const char *text)
@@ -44,6 +39,8 @@ static void fmi2_send(struct instance *instance, enum model_status status, const
 
 static const struct adapter adapter_of_fmi2 = {
     .version = 2,
+    .token_name = "fmuGUID",
+    .token = SCENE_GUID,
     .send = fmi2_send,
     /* The logger takes a printf format in which '#' marks value references (FMI 2.0.5). */
     .doubled = "%#",
@@ -92,11 +89,9 @@ CONTACT_EXPORTED fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type
                    .log_categories = LOG_STATUS_ALL},
         .callbacks = *functions,
     };
-    return instance_identified(&nobody.shared, instanceName, "fmuGUID", fmuGUID, SCENE_GUID) &&
-                   instance_expects(&nobody.shared,
-                                    fmuType == fmi2CoSimulation || fmuType == fmi2ModelExchange, "fmuType",
-                                    "(unknown)", "fmi2CoSimulation or fmi2ModelExchange")
-               ? instance_create(&nobody.shared, sizeof nobody, loggingOn != fmi2False)
+    return instance_expects(&nobody.shared, fmuType == fmi2CoSimulation || fmuType == fmi2ModelExchange,
+                            "fmuType", "(unknown)", "fmi2CoSimulation or fmi2ModelExchange")
+               ? instance_create(&nobody.shared, sizeof nobody, fmuGUID, loggingOn != fmi2False)
                : NULL;
 }
 
@@ -108,7 +103,7 @@ CONTACT_EXPORTED void fmi2FreeInstance(fmi2Component c)
 static enum model_status enter_initialization(struct instance *instance)
 {
     return instance->experiment.set_up
-               ? instance_enter(instance, PHASE_INITIALIZATION)
+               ? instance_enter(instance, MODEL_OK, PHASE_INITIALIZATION)
                : log_report(instance, MODEL_ERROR, " called before fmi2SetupExperiment");
 }
 
@@ -124,7 +119,7 @@ CALL2(SetupExperiment, ANY, PHASE_INSTANTIATED,
 CALL2(ExitInitializationMode, ANY, PHASE_INITIALIZATION, (fmi2Component c),
       instance_exit_initialization(instance, false))
 CALL2(Terminate, ANY, PHASE_STEP | PHASES_EXCHANGED, (fmi2Component c),
-      instance_enter(instance, PHASE_TERMINATED))
+      instance_enter(instance, MODEL_OK, PHASE_TERMINATED))
 CALL2(Reset, ANY, PHASES_ALL, (fmi2Component c), instance_reset(instance))
 
 /* This part gets and sets values. Enumerations are of type fmi2Integer too. There are no string variables, so
@@ -182,19 +177,19 @@ CALL2(GetRealOutputDerivatives, STEPS, PHASES_READ(PHASES_STEPPED),
 CALL2(GetDirectionalDerivative, ANY, PHASES_READ(PHASES_INITIALIZED),
       (fmi2Component c, const fmi2ValueReference unknowns[], size_t unknown_count,
        const fmi2ValueReference knowns[], size_t known_count, const fmi2Real seed[], fmi2Real sensitivity[]),
-      instance_product(instance, &(const struct product){.unknowns = {unknowns, unknown_count, false},
-                                                         .knowns = {knowns, known_count, false},
-                                                         .unknown_components = unknown_count,
-                                                         .known_components = known_count,
-                                                         .seed = seed,
-                                                         .sensitivity = sensitivity}))
+      instance_product(instance,
+                       &(const struct product){.unknowns = {unknowns, unknown_count, false},
+                                               .knowns = {knowns, known_count, false},
+                                               .seed = seed,
+                                               .sensitivity = sensitivity},
+                       known_count, unknown_count))
 
 /* Takes any step and sends messages. It is not inlined into fmi2DoStep, so that a deferred flight saves no
  * registers for it. */
 CONTACT_NOINLINE static fmi2Status fmi2_do_step(struct instance *instance, double point, double size)
 {
     static const struct call call = {"fmi2DoStep", CALL_STEPS, PHASE_STEP, NULL};
-    const struct step_request request = {0};
+    const struct step_request request = {.end_time = point + size};
     return (fmi2Status)(call_begin(instance, &call) ? instance_step(instance, point, size, &request)
                                                     : MODEL_ERROR);
 }
@@ -293,20 +288,24 @@ CALL2(CompletedIntegratorStep, EXCHANGE, PHASE_CONTINUOUS,
       ((void)noSetFMUStatePriorToCurrentPoint,
        exchange_accept_step(instance, enterEventMode, terminateSimulation, sizeof *enterEventMode)))
 
-CALL2(EnterEventMode, EXCHANGE, PHASES_EXCHANGED, (fmi2Component c), instance_enter(instance, PHASE_EVENT))
+CALL2(EnterEventMode, EXCHANGE, PHASES_EXCHANGED, (fmi2Component c),
+      instance_enter(instance, MODEL_OK, PHASE_EVENT))
 CALL2(EnterContinuousTimeMode, EXCHANGE, PHASE_EVENT, (fmi2Component c),
-      instance_enter(instance, PHASE_CONTINUOUS))
+      instance_enter(instance, MODEL_OK, PHASE_CONTINUOUS))
 CALL2(SetTime, EXCHANGE, PHASES_EXCHANGED, (fmi2Component c, fmi2Real time),
       model_exchange_set_time(instance->model, time))
 CALL2(SetContinuousStates, EXCHANGE, PHASE_CONTINUOUS, (fmi2Component c, const fmi2Real x[], size_t nx),
-      exchange_set_states(instance, x, nx))
-#define NUMBERS2(function, which, phases)                                                                    \
+      numbers_ready(instance, x, nx, SCENE_STATES) ? model_exchange_set_states(instance->model, x)
+                                                   : MODEL_ERROR)
+#define NUMBERS2(function, which, number, phases)                                                            \
     CALL2(function, EXCHANGE, PHASES_READ(phases), (fmi2Component c, fmi2Real x[], size_t nx),               \
-          exchange_get(instance, which, x, nx))
-NUMBERS2(GetDerivatives, EXCHANGE_RATES, PHASES_OF_STATES)
-NUMBERS2(GetEventIndicators, EXCHANGE_INDICATORS, PHASES_OF_STATES)
-NUMBERS2(GetContinuousStates, EXCHANGE_STATES, PHASES_OF_STATES)
-NUMBERS2(GetNominalsOfContinuousStates, EXCHANGE_NOMINALS, PHASE_INSTANTIATED | PHASES_OF_STATES)
+          numbers_ready(instance, x, nx, number) ? model_exchange_get(instance->model, which, x)             \
+                                                 : MODEL_ERROR)
+NUMBERS2(GetDerivatives, EXCHANGE_RATES, SCENE_STATES, PHASES_OF_STATES)
+NUMBERS2(GetEventIndicators, EXCHANGE_INDICATORS, SCENE_INDICATORS, PHASES_OF_STATES)
+NUMBERS2(GetContinuousStates, EXCHANGE_STATES, SCENE_STATES, PHASES_OF_STATES)
+NUMBERS2(GetNominalsOfContinuousStates, EXCHANGE_NOMINALS, SCENE_STATES,
+         PHASE_INSTANTIATED | PHASES_OF_STATES)
 
 CALL2(GetFMUstate, ANY, PHASES_ALL, (fmi2Component c, fmi2FMUstate *state), state_block_get(instance, state))
 CALL2(SetFMUstate, ANY, PHASES_ALL, (fmi2Component c, fmi2FMUstate state), state_block_set(instance, state))

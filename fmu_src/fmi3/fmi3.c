@@ -3,7 +3,6 @@
  */
 #include <float.h>
 #include <fmi3Functions.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -36,18 +35,10 @@ _Static_assert((int)MODEL_FATAL == (int)fmi3Fatal, "status order");
  * may be called (struct call), after the state machines of FMI 3.0.2, sections 2.3, 3.2 and 4.2. Three
  * extensions do no harm: variables that have a start value may be read while instantiated, outputs may be
  * read between setting an input and the next step, and the numbers of states and indicators are always told.
- * Model Exchange is never in step mode, Co-Simulation never in continuous-time mode. A function evaluates
- * `result` where it may be called now; `absent` says why it never may, or is NULL.
+ * Model Exchange is never in step mode, Co-Simulation never in continuous-time mode.
  */
-#define DEFINE3(function, kind, phases, absent, parameters, result)                                          \
-    CONTACT_EXPORTED fmi3Status fmi3##function parameters                                                    \
-    {                                                                                                        \
-        static const struct call call = {"fmi3" #function, CALL_##kind, phases, absent};                     \
-        struct instance *instance = c;                                                                       \
-        return (fmi3Status)(call_begin(instance, &call) ? (result) : MODEL_ERROR);                           \
-    }
 #define CALL3(function, kind, phases, parameters, result)                                                    \
-    DEFINE3(function, kind, phases, NULL, parameters, result)
+    CALL_OF(fmi3Status, fmi3##function, kind, phases, NULL, parameters, result)
 
 static void fmi3_send(struct instance *instance, enum model_status status, const char *category,
                       const char *text)
@@ -58,6 +49,8 @@ static void fmi3_send(struct instance *instance, enum model_status status, const
 
 static const struct adapter adapter_of_fmi3 = {
     .version = 3,
+    .token_name = "instantiationToken",
+    .token = SCENE_TOKEN,
     .send = fmi3_send,
     .doubled = "", /* the message is plain text */
     .type_names = {[VARIABLE_REAL] = "Float64",
@@ -91,19 +84,16 @@ static struct fmi3_instance make_nobody(const struct call *call, const char *nam
 /* Whether the required intermediate variables are variables of the FMU; if not, a message says so. */
 static bool intermediate_in_order(struct instance *nobody, const fmi3ValueReference required[], size_t count)
 {
-    if (required == NULL && count > 0) {
-        return instance_expects(nobody, false, "requiredIntermediateVariables", "(null)",
-                                "as many value references as told");
-    }
-    for (size_t i = 0; i < count; ++i) {
-        char given[16]; /* holds 32 bits in decimal */
-        (void)snprintf(given, sizeof given, "%u", (unsigned)required[i]);
-        if (!instance_expects(nobody, vector_variable(required[i]) != NULL, "requiredIntermediateVariables",
-                              given, "value references of variables")) {
-            return false;
+    bool known = array_given(nobody, "requiredIntermediateVariables", required, count);
+    for (size_t i = 0; known && i < count; ++i) {
+        known = vector_variable(required[i]) != NULL;
+        if (!known) {
+            log_report(nobody, MODEL_ERROR,
+                       ": requiredIntermediateVariables has the unknown value reference %u",
+                       (unsigned)required[i]);
         }
     }
-    return true;
+    return known;
 }
 
 /* The FMU reads no resources, so any string or none is accepted as their path. */
@@ -120,15 +110,13 @@ CONTACT_EXPORTED fmi3Instance fmi3InstantiateCoSimulation(
     nobody.intermediate_update = intermediateUpdate;
     nobody.event_mode_used = eventModeUsed;
     nobody.early_return_allowed = earlyReturnAllowed;
-    if (!instance_identified(&nobody.shared, instanceName, "instantiationToken", instantiationToken,
-                             SCENE_TOKEN) ||
-        !instance_expects(&nobody.shared, !eventModeUsed || SCENE_ANY_FREE, "eventModeUsed", "true",
+    if (!instance_expects(&nobody.shared, !eventModeUsed || SCENE_ANY_FREE, "eventModeUsed", "true",
                           "false, as hasEventMode says") ||
         !intermediate_in_order(&nobody.shared, requiredIntermediateVariables,
                                nRequiredIntermediateVariables)) {
         return NULL;
     }
-    struct instance *instance = instance_create(&nobody.shared, sizeof nobody, loggingOn);
+    struct instance *instance = instance_create(&nobody.shared, sizeof nobody, instantiationToken, loggingOn);
     if (instance != NULL && eventModeUsed) { /* FMI 3.0.2, section 2.4.7.4: tuning needs event mode */
         instance->tuning_phases = PHASE_EVENT;
     }
@@ -142,10 +130,7 @@ CONTACT_EXPORTED fmi3Instance fmi3InstantiateModelExchange(
     static const struct call call = {.name = "fmi3InstantiateModelExchange"};
     (void)resourcePath, (void)visible;
     struct fmi3_instance nobody = make_nobody(&call, instanceName, true, instanceEnvironment, logMessage);
-    return instance_identified(&nobody.shared, instanceName, "instantiationToken", instantiationToken,
-                               SCENE_TOKEN)
-               ? instance_create(&nobody.shared, sizeof nobody, loggingOn)
-               : NULL;
+    return instance_create(&nobody.shared, sizeof nobody, instantiationToken, loggingOn);
 }
 
 CONTACT_EXPORTED fmi3Instance fmi3InstantiateScheduledExecution(
@@ -177,23 +162,17 @@ CALL3(SetDebugLogging, ANY, PHASES_ALL,
       (fmi3Instance c, fmi3Boolean on, size_t count, const fmi3String categories[]),
       instance_set_logging(instance, on, count, categories))
 
-static enum model_status begin_initialization(struct instance *instance, enum model_status set_up)
-{
-    if (set_up <= MODEL_WARNING) {
-        instance->experiment.phase = PHASE_INITIALIZATION;
-    }
-    return set_up;
-}
-
 CALL3(EnterInitializationMode, ANY, PHASE_INSTANTIATED,
       (fmi3Instance c, fmi3Boolean tolerance_defined, fmi3Float64 tolerance, fmi3Float64 start_time,
        fmi3Boolean stop_time_defined, fmi3Float64 stop_time),
-      begin_initialization(instance, instance_set_up(instance, tolerance_defined, tolerance, start_time,
-                                                     stop_time_defined, stop_time)))
+      instance_enter(instance,
+                     instance_set_up(instance, tolerance_defined, tolerance, start_time, stop_time_defined,
+                                     stop_time),
+                     PHASE_INITIALIZATION))
 CALL3(ExitInitializationMode, ANY, PHASE_INITIALIZATION, (fmi3Instance c),
       instance_exit_initialization(instance, ((struct fmi3_instance *)c)->event_mode_used))
 CALL3(Terminate, ANY, PHASE_STEP | PHASES_EXCHANGED, (fmi3Instance c),
-      instance_enter(instance, PHASE_TERMINATED))
+      instance_enter(instance, MODEL_OK, PHASE_TERMINATED))
 CALL3(Reset, ANY, PHASES_ALL, (fmi3Instance c), instance_reset(instance))
 
 /* This part gets and sets values. A vector is read and written as a whole. */
@@ -239,22 +218,19 @@ CALL3(GetOutputDerivatives, STEPS, PHASES_WITHIN(PHASES_STEPPED),
        fmi3Float64 values[], size_t count),
       instance_output_derivatives(instance, vr, orders, nvr, values, count))
 
-/* A function that multiplies with the matrix of derivatives. The last two arguments are the numbers of
- * components that the importer gives for the unknowns and for the knowns. */
-#define PRODUCT3(function, is_adjoint, unknown_components, known_components)                                 \
+/* A function that multiplies with the matrix of derivatives. */
+#define PRODUCT3(function, is_adjoint)                                                                       \
     CALL3(function, ANY, PHASES_READ(PHASES_INITIALIZED),                                                    \
           (fmi3Instance c, const fmi3ValueReference unknowns[], size_t nUnknowns,                            \
            const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64 seed[], size_t nSeed,        \
            fmi3Float64 sensitivity[], size_t nSensitivity),                                                  \
-          instance_product(instance, &(const struct product){is_adjoint,                                     \
-                                                             {unknowns, nUnknowns, true},                    \
-                                                             {knowns, nKnowns, true},                        \
-                                                             unknown_components,                             \
-                                                             known_components,                               \
-                                                             seed,                                           \
-                                                             sensitivity}))
-PRODUCT3(GetDirectionalDerivative, false, nSensitivity, nSeed)
-PRODUCT3(GetAdjointDerivative, true, nSeed, nSensitivity)
+          instance_product(                                                                                  \
+              instance,                                                                                      \
+              &(const struct product){                                                                       \
+                  is_adjoint, {unknowns, nUnknowns, true}, {knowns, nKnowns, true}, seed, sensitivity},      \
+              nSeed, nSensitivity))
+PRODUCT3(GetDirectionalDerivative, false)
+PRODUCT3(GetAdjointDerivative, true)
 
 /* Is called when a contact begins or ends within a step, and calls the intermediate update callback. Returns
  * the time at which the step shall end [s] (struct step_request): the importer may want it to end early. */
@@ -311,6 +287,7 @@ CONTACT_NOINLINE static fmi3Status fmi3_do_step(struct instance *instance, doubl
         return fmi3Error;
     }
     const struct step_request request = {
+        .end_time = point + size,
         .at_event = own->event_mode_used || own->intermediate_update != NULL ? at_event : NULL,
         .context = own,
         .whole = true,
@@ -318,7 +295,7 @@ CONTACT_NOINLINE static fmi3Status fmi3_do_step(struct instance *instance, doubl
     own->event_time = (double)NAN;
     const enum model_status status = instance_step(instance, point, size, &request);
     const double reached = model_time(instance->model);
-    const double end = point + size;
+    const double end = request.end_time;
     put_results(event, terminate, early, time, own->event_mode_used && own->event_time == reached,
                 status <= MODEL_WARNING && end - reached > 4.0 * DBL_EPSILON * fabs(end),
                 instance_time_reached(instance));
@@ -361,13 +338,13 @@ static enum model_status enter_event_mode(struct instance *instance)
 {
     const struct fmi3_instance *own = (const struct fmi3_instance *)instance;
     return instance->host.exchange || own->event_mode_used
-               ? instance_enter(instance, PHASE_EVENT)
+               ? instance_enter(instance, MODEL_OK, PHASE_EVENT)
                : log_report(instance, MODEL_ERROR,
                             " called in phase step mode: instantiated with eventModeUsed = false");
 }
 
 CALL3(EnterEventMode, ANY, PHASE_STEP | PHASE_CONTINUOUS, (fmi3Instance c), enter_event_mode(instance))
-CALL3(EnterStepMode, STEPS, PHASE_EVENT, (fmi3Instance c), instance_enter(instance, PHASE_STEP))
+CALL3(EnterStepMode, STEPS, PHASE_EVENT, (fmi3Instance c), instance_enter(instance, MODEL_OK, PHASE_STEP))
 
 static enum model_status update_discrete_states(struct instance *instance, bool *again, bool *terminate,
                                                 bool *nominals_changed, bool *values_changed,
@@ -420,18 +397,20 @@ CALL3(GetNumberOfEventIndicators, EXCHANGE, PHASES_READ(PHASES_ALL), (fmi3Instan
 CALL3(GetNumberOfContinuousStates, EXCHANGE, PHASES_READ(PHASES_ALL), (fmi3Instance c, size_t *count),
       put_count(instance, "nContinuousStates", SCENE_STATES, count))
 CALL3(EnterContinuousTimeMode, EXCHANGE, PHASE_EVENT, (fmi3Instance c),
-      instance_enter(instance, PHASE_CONTINUOUS))
+      instance_enter(instance, MODEL_OK, PHASE_CONTINUOUS))
 CALL3(SetTime, EXCHANGE, PHASE_CONTINUOUS, (fmi3Instance c, fmi3Float64 time),
       model_exchange_set_time(instance->model, time))
 CALL3(SetContinuousStates, EXCHANGE, PHASE_CONTINUOUS, (fmi3Instance c, const fmi3Float64 x[], size_t nx),
-      exchange_set_states(instance, x, nx))
-#define NUMBERS3(function, which)                                                                            \
+      numbers_ready(instance, x, nx, SCENE_STATES) ? model_exchange_set_states(instance->model, x)
+                                                   : MODEL_ERROR)
+#define NUMBERS3(function, which, number)                                                                    \
     CALL3(function, EXCHANGE, PHASES_READ(PHASES_OF_STATES), (fmi3Instance c, fmi3Float64 x[], size_t nx),   \
-          exchange_get(instance, which, x, nx))
-NUMBERS3(GetContinuousStateDerivatives, EXCHANGE_RATES)
-NUMBERS3(GetEventIndicators, EXCHANGE_INDICATORS)
-NUMBERS3(GetContinuousStates, EXCHANGE_STATES)
-NUMBERS3(GetNominalsOfContinuousStates, EXCHANGE_NOMINALS)
+          numbers_ready(instance, x, nx, number) ? model_exchange_get(instance->model, which, x)             \
+                                                 : MODEL_ERROR)
+NUMBERS3(GetContinuousStateDerivatives, EXCHANGE_RATES, SCENE_STATES)
+NUMBERS3(GetEventIndicators, EXCHANGE_INDICATORS, SCENE_INDICATORS)
+NUMBERS3(GetContinuousStates, EXCHANGE_STATES, SCENE_STATES)
+NUMBERS3(GetNominalsOfContinuousStates, EXCHANGE_NOMINALS, SCENE_STATES)
 
 /* A state saved in event mode of Co-Simulation puts an instance without event mode into step mode. */
 static enum model_status set_state(struct instance *instance, fmi3FMUState state)
@@ -466,7 +445,8 @@ CALL3(DeserializeFMUState, ANY, PHASES_ALL,
 #pragma GCC diagnostic ignored "-Wunused-parameter"
 #endif
 /* NOLINTBEGIN(misc-unused-parameters) */
-#define ABSENT3(function, reason, parameters) DEFINE3(function, ANY, 0, reason, parameters, MODEL_OK)
+#define ABSENT3(function, reason, parameters)                                                                \
+    CALL_OF(fmi3Status, fmi3##function, ANY, 0, reason, parameters, MODEL_OK)
 
 #define NO_CLOCKS "there are no clocks"
 #define CLOCKS fmi3Instance c, const fmi3ValueReference clocks[], size_t count

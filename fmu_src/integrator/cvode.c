@@ -2,6 +2,7 @@
 #include <float.h>
 #include <nvector/nvector_serial.h>
 #include <stdio.h>
+#include <string.h>
 #include <sundials/sundials_linearsolver.h>
 #include <sundials/sundials_matrix.h>
 #include <sundials/sundials_nonlinearsolver.h>
@@ -25,15 +26,13 @@ struct cvode {
     struct scene_ode ode;      /* the values and the motion, for CVODE's callbacks */
     double relative, absolute; /* tolerances [1], [m, m/s, ...] */
     enum solver_method method;
-    int size;
     struct scene_output output[SCENE_CONTACTS]; /* outputs of the phase */
     double longest_step;                        /* bound on internal steps of the phase [s]; 0: none */
-    double reached; /* end of the last step, or its root, not before the scene's clock [s] */
-    int flag;       /* CVODE's return value of that step */
-    double y_clock; /* the clock at which y is the state [s] */
-    long steps, evaluations, rejected; /* CVODE's counts already added to the motion's */
-    void (*release)(void *memory);     /* frees this struct */
-    char *message;                     /* the integrator's message, INTEGRATOR_MESSAGE_SIZE bytes */
+    double reached;                /* end of the last step, or its root, not before the scene's clock [s] */
+    int flag;                      /* CVODE's return value of that step */
+    long counted[4];               /* CVODE's counts already added to the motion's (book_counters) */
+    void (*release)(void *memory); /* frees this struct */
+    char *message;                 /* the integrator's message, INTEGRATOR_MESSAGE_SIZE bytes */
 };
 
 /* Takes SUNDIALS' error messages, which would be printed otherwise. */
@@ -45,21 +44,13 @@ static void keep_message(int line, const char *function, const char *file, const
     snprintf(data, INTEGRATOR_MESSAGE_SIZE, "%s: %s", function, text ? text : "");
 }
 #else
+#define SUN_COMM_NULL NULL
 static void keep_message(int code, const char *module, const char *function, char *text, void *data)
 {
     (void)code, (void)module;
     snprintf(data, INTEGRATOR_MESSAGE_SIZE, "%s: %s", function, text);
 }
 #endif
-
-static bool create_context(SUNContext *context)
-{
-#if SUNDIALS_VERSION_MAJOR >= 7
-    return SUNContext_Create(SUN_COMM_NULL, context) == 0;
-#else
-    return SUNContext_Create(NULL, context) == 0;
-#endif
-}
 
 static bool silence(struct cvode *c)
 {
@@ -107,22 +98,21 @@ static int newton_matrix(double clock, N_Vector y, N_Vector rate, SUNMatrix matr
     (void)rate, (void)jacobian_ok, (void)unused1, (void)unused2, (void)unused3;
     const struct cvode *c = problem;
     *jacobian_now = 1;
-    ode_jacobian(&c->ode, c->size, clock, NV_DATA_S(y), SM_DATA_D(matrix));
+    ode_jacobian(&c->ode, clock, NV_DATA_S(y), SM_DATA_D(matrix));
     return SUNMatScaleAddI(-gamma, matrix);
 }
 
-static bool attach_newton(struct cvode *c)
+/* Attaches the solver of a step's equations: a fixed point for Adams, else Newton's method. */
+static bool attach_solver(struct cvode *c)
 {
-    c->jacobian = SUNDenseMatrix(c->size, c->size, c->context);
+    if (c->method == SOLVER_METHOD_CVODE_ADAMS) {
+        c->nonlinear = SUNNonlinSol_FixedPoint(c->y, 0, c->context);
+        return c->nonlinear && CVodeSetNonlinearSolver(c->memory, c->nonlinear) == CV_SUCCESS;
+    }
+    c->jacobian = SUNDenseMatrix(c->ode.layout.size, c->ode.layout.size, c->context);
     c->linear = c->jacobian ? SUNLinSol_Dense(c->y, c->jacobian, c->context) : NULL;
     return c->linear && CVodeSetLinearSolver(c->memory, c->linear, c->jacobian) == CV_SUCCESS &&
            CVodeSetLinSysFn(c->memory, newton_matrix) == CV_SUCCESS;
-}
-
-static bool attach_fixed_point(struct cvode *c)
-{
-    c->nonlinear = SUNNonlinSol_FixedPoint(c->y, 0, c->context);
-    return c->nonlinear && CVodeSetNonlinearSolver(c->memory, c->nonlinear) == CV_SUCCESS;
 }
 
 static bool configure(struct cvode *c)
@@ -134,8 +124,7 @@ static bool configure(struct cvode *c)
     }
     return silence(c) && CVodeInit(c->memory, rates_of, 0.0, c->y) == CV_SUCCESS &&
            CVodeSetUserData(c->memory, c) == CV_SUCCESS &&
-           CVodeWFtolerances(c->memory, weights_of) == CV_SUCCESS &&
-           (c->method != SOLVER_METHOD_CVODE_ADAMS ? attach_newton(c) : attach_fixed_point(c)) &&
+           CVodeWFtolerances(c->memory, weights_of) == CV_SUCCESS && attach_solver(c) &&
            CVodeRootInit(c->memory, ODE_EVENTS, events_of) == CV_SUCCESS &&
            CVodeSetRootDirection(c->memory, falling) == CV_SUCCESS &&
            CVodeSetNoInactiveRootWarn(c->memory) == CV_SUCCESS;
@@ -144,12 +133,11 @@ static bool configure(struct cvode *c)
 static bool create(struct cvode *c, const struct scene_values *v)
 {
     c->ode.layout = ode_layout_of(v, NULL);
-    c->size = c->ode.layout.size;
     c->method = (enum solver_method)solver_method(v);
-    if (!create_context(&c->context)) {
+    if (SUNContext_Create(SUN_COMM_NULL, &c->context) != 0) {
         return false;
     }
-    c->y = N_VNew_Serial(c->size, c->context);
+    c->y = N_VNew_Serial(c->ode.layout.size, c->context);
     if (!c->y) {
         return false;
     }
@@ -162,7 +150,7 @@ bool cvode_open(struct cvode **slot, const struct scene_values *v, const struct 
                 char *message)
 {
     if (*slot && (*slot)->method == (enum solver_method)solver_method(v) &&
-        (*slot)->size == ode_layout_of(v, NULL).size) {
+        (*slot)->ode.layout.size == ode_layout_of(v, NULL).size) {
         return true;
     }
     struct cvode *c = memory->allocate(1, sizeof *c);
@@ -242,10 +230,7 @@ static double tolerance_share(enum solver_method method)
 static void move_to(void *memory, double clock, struct scene_state *q)
 {
     struct cvode *c = memory;
-    if (clock != c->y_clock) {
-        CVodeGetDky(c->memory, clock, 0, c->y);
-        c->y_clock = clock;
-    }
+    CVodeGetDky(c->memory, clock, 0, c->y);
     ode_unpack(&c->ode, q, NV_DATA_S(c->y));
 }
 
@@ -261,8 +246,8 @@ static bool start_phase(struct cvode *c, struct scene_state *q)
     c->relative = tolerance_share(c->method) * solver_relative_tolerance(q->v);
     c->absolute = tolerance_share(c->method) * solver_absolute_tolerance(q->v);
     ode_begin(&c->ode, &at, c->relative, c->absolute);
-    c->steps = c->evaluations = c->rejected = 0;
-    c->reached = c->y_clock = q->clock;
+    memset(c->counted, 0, sizeof c->counted);
+    c->reached = q->clock;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         c->output[j] = (struct scene_output){.contact = j, .move = move_to, .mover = c};
     }
@@ -274,19 +259,18 @@ static bool start_phase(struct cvode *c, struct scene_state *q)
 
 static void book_counters(struct cvode *c, struct scene_state *q, struct advance *step)
 {
-    long steps = 0, evaluations = 0, failures = 0, convergence_failures = 0;
-    CVodeGetNumSteps(c->memory, &steps);
-    CVodeGetNumRhsEvals(c->memory, &evaluations);
-    CVodeGetNumErrTestFails(c->memory, &failures);
-    CVodeGetNumNonlinSolvConvFails(c->memory, &convergence_failures);
-    failures += convergence_failures;
-    advance_spend(step, steps - c->steps, CVODE_STEP_WORK * (steps - c->steps));
-    counter_add(&q->counters.steps, steps - c->steps);
-    counter_add(&q->counters.force_evaluations, evaluations - c->evaluations);
-    counter_add(&q->counters.rejected_steps, failures - c->rejected);
-    c->steps = steps;
-    c->evaluations = evaluations;
-    c->rejected = failures;
+    long counts[4] = {0};
+    int32_t *const counters[] = {&q->counters.steps, &q->counters.force_evaluations,
+                                 &q->counters.rejected_steps, &q->counters.rejected_steps};
+    CVodeGetNumSteps(c->memory, &counts[0]);
+    CVodeGetNumRhsEvals(c->memory, &counts[1]);
+    CVodeGetNumErrTestFails(c->memory, &counts[2]);
+    CVodeGetNumNonlinSolvConvFails(c->memory, &counts[3]);
+    advance_spend(step, counts[0] - c->counted[0], CVODE_STEP_WORK * (counts[0] - c->counted[0]));
+    for (int i = 0; i < 4; ++i) {
+        counter_add(counters[i], counts[i] - c->counted[i]);
+        c->counted[i] = counts[i];
+    }
 }
 
 /* Returns the index of the event function that has the root just found. */
@@ -324,7 +308,6 @@ static enum advance_result one_internal_step(struct cvode *c, struct scene_state
     const double longest = c->longest_step > 0.0 ? 1e4 * c->longest_step : (double)INFINITY;
     const double aim = fmin(step->clock_end, q->clock + longest);
     c->flag = CVode(c->memory, aim, c->y, &c->reached, CV_ONE_STEP);
-    c->y_clock = c->reached;
     book_counters(c, q, step);
     if (c->flag == CV_TOO_CLOSE) { /* the time left is rounding of the clock: nothing moves */
         q->clock = step->clock_end;
@@ -372,9 +355,6 @@ enum advance_result cvode_advance(struct cvode *c, struct scene_state *q, struct
             q->contact[step->contact].schedule.dead_band_clock =
                 q->clock + 400.0 * DBL_EPSILON * (q->clock + length);
             return result;
-        }
-        if (to == c->reached && c->flag == CV_TSTOP_RETURN) {
-            return ADVANCE_REACHED;
         }
     }
     return ADVANCE_REACHED;

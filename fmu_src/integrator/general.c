@@ -43,16 +43,11 @@ static const double FIRST_STEP_FROM_TOUCH = 1.3;
 /* Returns the length of a first step by the springs at the start of g->step [s]; INFINITY: there are none. */
 static double length_of_springs(const struct general *g)
 {
-    const struct radau_step *p = &g->step;
-    double square = 0.0;
-    for (int i = 0; i < p->problem.paired; ++i) {
-        double sum = 0.0; /* effect of all positions on one speed [1/s^2] */
-        for (int j = 0; j < p->problem.paired; ++j) {
-            sum += fabs(radau_slope_of(p, p->problem.speed[i], p->problem.place[j]));
-        }
-        square = fmax(square, sum);
+    double fastest = 0.0;
+    for (int i = 0; i < g->ode.layout.groups; ++i) {
+        fastest = fmax(fastest, g->island[i].frequency);
     }
-    return square > 0.0 ? FIRST_STEP / sqrt(square) : (double)INFINITY;
+    return FIRST_STEP / fastest;
 }
 
 /* The stiffness of Hertz's spring grows with the square root of the penetration. From this part of the
@@ -190,74 +185,112 @@ static double length_of_sliding(const struct general *g)
 /* Rounding of a difference of states, such as the slip, divided by their size; see rounding_of_rate. */
 static const double ROUNDING_OF_STATES = 8.0 * DBL_EPSILON;
 
-/* Returns the rounding in the rate of a state [its unit/s], where `left` numbers the states without
- * positions. It comes from the rounding of gaps through the springs, and from the rounding of these
- * states. */
-static double rounding_of_rates(const struct general *g, int left)
+/* Returns the change of the speed of a body's point of contact by a unit impulse there, or, without an `arm`,
+ * of its angular velocity by a unit impulse of torque [1/kg, 1/(kg m^2)]. A body turns about the axis of its
+ * least moment of inertia at most. */
+static double admittance_by_turning(const struct scene_values *v, int body, const struct vec3 *arm)
 {
-    const struct radau_step *p = &g->step;
-    double by_places = 0.0;
-    double by_others = 0.0;
-    for (int j = 0; j < p->problem.paired; ++j) {
-        by_places += fabs(radau_slope_of(p, p->other[left], p->problem.place[j]));
+    if (!body_turns_freely(v, body)) {
+        return 0.0;
     }
-    for (int j = 0; j < p->others; ++j) {
-        by_others += fabs(radau_slope_of(p, p->other[left], p->other[j])) * g->size_of[p->other[j]];
+    const struct vec3 inertia = body_inertia_of(v, body);
+    const double least = fmin(inertia.x, fmin(inertia.y, inertia.z));
+    return (arm ? vec3_dot(*arm, *arm) : 1.0) / least;
+}
+
+/* Returns the change of an opposed motion by a unit impulse of its load [1/kg, 1/(kg m^2)]. The slip feels
+ * the masses of both bodies and their inertia across the arms; rolling and spinning feel inertia alone. */
+static double opposed_admittance(const struct scene_instant *at, int contact, int part)
+{
+    const bool slips = part == OPPOSED_SLIP;
+    const struct turning_instant *turning = &at->turning;
+    return (slips ? scene_inverse_mass(at->v, contact) : 0.0) +
+           admittance_by_turning(at->v, contact_source(contact),
+                                 slips ? &turning->source_arm[contact] : NULL) +
+           admittance_by_turning(at->v, contact_destination(contact),
+                                 slips ? &turning->destination_arm[contact] : NULL);
+}
+
+/* Returns the change of the speed along n of the point of contact on the source (end 0) or on the destination
+ * by a unit impulse along n [1/kg]. A body that tips gives way by its inertia too. Where neither body moves
+ * from its place, whatever turns counts as if the impulse were across its arm. */
+static double normal_admittance(const struct scene_instant *at, int contact, int end)
+{
+    const int body = end == 0 ? contact_source(contact) : contact_destination(contact);
+    const struct turning_instant *turning = &at->turning;
+    const bool moves = scene_inverse_mass(at->v, contact) > 0.0;
+    if (!SCENE_ANY_ROTATION || (moves && !SCENE_ANY_TIPPING)) {
+        return body_inverse_mass(at->v, body);
     }
-    return by_places * g->rounding[p->group_of[left]].place + ROUNDING_OF_STATES * by_others;
+    const struct vec3 arm = end == 0 ? turning->source_arm[contact] : turning->destination_arm[contact];
+    if (!moves || !body_turns_freely(at->v, body)) {
+        return body_inverse_mass(at->v, body) + admittance_by_turning(at->v, body, &arm);
+    }
+    const struct vec3 lever = vec3_cross(arm, at->geometry[contact].normal);
+    const struct vec3 spin = vec3_scale(1.0 / body_inertia_of(at->v, body).x, lever);
+    const struct quaternion orientation = turning->body[body].orientation;
+    return body_inverse_mass(at->v, body) + vec3_dot(lever, body_rotation_of(at->v, body, orientation, spin));
+}
+
+/* Notes by how much a unit impulse of a contact changes its springs where the speed that it causes lasts for
+ * the given time [s]. A resistance feels an impulse across the radius of the source. */
+static void note_springs(struct general *g, int contact, double time)
+{
+    for (int k = 0; SCENE_ANY_SPRINGS && k < 3 * OPPOSED; ++k) {
+        const int spring = g->ode.layout.spring[contact][k / 3];
+        const double arm = k < 3 ? 1.0 : contact_source_radius(g->ode.values, contact);
+        if (spring >= 0) {
+            g->per_impulse[spring + k % 3] = time * arm * opposed_admittance(&g->at_start, contact, k / 3);
+        }
+    }
+}
+
+/* Adds the effect of an impulse of rounding [N s] to the errors allowed in `count` states from `first` on;
+ * first = -1: there are no such states. */
+static void allow_impulse(struct general *g, int first, int count, double impulse)
+{
+    for (int i = first; first >= 0 && i < first + count; ++i) {
+        g->step.weight[i] = 1.0 / (1.0 / g->step.weight[i] + impulse * g->per_impulse[i]);
+    }
 }
 
 /* Adds rounding to the errors allowed. A force made by rounding acts for at most one radian of the
- * oscillation or one decay time. The errors allowed in a speed and in an impulse are at least the changes by
- * such a force. A force through the centre of a body has a torque that is rounding, and the error allowed in
- * a spin is at least what it changes. Each island counts by itself: a far body must not loosen the others. */
+ * oscillation of its island, and rounding of the speeds that meet acts through friction and dashpots. The
+ * errors allowed in a speed, a spin and an impulse are at least the changes by the impulses of both. The
+ * error allowed in a spring of friction is at least what such a speed does in that time. Each contact counts
+ * for its own bodies: a heavy contact must not loosen light bodies. The rounding of regularized friction is
+ * added to the errors of integrals alone, because friction brings the slip back to what its law says. */
 static void allow_rounding(struct general *g)
 {
-    struct radau_step *p = &g->step;
-    double spring[ODE_MOST_GROUPS] = {0.0};   /* largest derivative of an acceleration by a place [1/s^2] */
-    double fastest[ODE_MOST_GROUPS];          /* radians or decay times in a second [1/s] */
-    double impulse[ODE_MOST_GROUPS];          /* of a force made by rounding [N s] */
-    double rounding[ODE_MOST_STATES] = {0.0}; /* of the states without positions */
-    double most = 0.0;
-    for (int i = 0; i < p->problem.paired; ++i) {
-        double *of_group = spring + p->group_of[p->among[p->problem.speed[i]]];
-        *of_group = fmax(*of_group, fabs(radau_slope_of(p, p->problem.speed[i], p->problem.place[i])));
-    }
-    for (int i = 0; i < p->problem.groups; ++i) {
-        const struct general_rounding *of = &g->rounding[i];
-        fastest[i] = fmax(sqrt(spring[i]), 1.0 / p->length);
-        impulse[i] = p->length * of->friction + of->mass * (spring[i] / fastest[i]) * of->place;
-        most = fmax(most, impulse[i]);
-    }
-    for (int i = 0; i < p->others; ++i) {
-        const struct general_rounding *of = &g->rounding[p->group_of[i]];
-        const double decay = fabs(radau_slope_of(p, p->other[i], p->other[i]));
-        const double through_centre = ROUNDING_OF_STATES * (of->momentum + p->length * of->force);
-        rounding[i] = fmax(rounding_of_rates(g, i) / fmax(fastest[p->group_of[i]], decay),
-                           through_centre * g->per_impulse[p->other[i]]);
-    }
-    for (int j = 0; j < p->problem.paired; ++j) {
-        const int speed = p->among[p->problem.speed[j]];
-        const int i = p->group_of[speed];
-        double *of_speed = rounding + speed;
-        *of_speed = fmax(*of_speed, spring[i] / fastest[i] * g->rounding[i].place);
-    }
-    for (int i = 0; i < p->others; ++i) {
-        double *weight = p->weight + p->other[i];
-        const double allowed = fmin(1.0 / *weight, g->largest_error[p->other[i]]);
-        *weight = 1.0 / (allowed + rounding[i]);
+    const struct ode_layout *layout = &g->ode.layout;
+    const double length = g->step.length;
+    double most = 0.0; /* of all contacts, on integrals [N s] */
+    for (int i = 0; i < layout->coupled; ++i) {
+        g->step.weight[i] = 1.0 / fmin(1.0 / g->step.weight[i], g->largest_error[i]);
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const int first = g->ode.layout.impulse[j];
-        const int count = g->ode.layout.island[j] < 0 ? 0 : ode_impulses(g->ode.values);
-        for (int i = first; i < first + count; ++i) {
-            const double by = impulse[g->ode.layout.island[j]] * g->per_impulse[i];
-            p->weight[i] = 1.0 / (1.0 / p->weight[i] + by);
+        if (!contact_transmits(g->state, j)) {
+            continue;
         }
+        const struct general_rounding *of = &g->rounding[j];
+        const struct general_island *island = &g->island[layout->island[j]];
+        const double acts = fmin(1.0 / island->frequency, length);
+        const double impulse =
+            of->spring * of->place * acts + ROUNDING_OF_STATES * (of->momentum + length * of->force);
+        const int body[2] = {contact_source(j), contact_destination(j)};
+        note_springs(g, j, acts);
+        for (int i = 0; i < 2; ++i) {
+            allow_impulse(g, layout->body[body[i]] >= 0 ? layout->body[body[i]] + 3 : -1, 3, impulse);
+            allow_impulse(g, layout->spin[body[i]], 3, impulse);
+        }
+        for (int i = 0; SCENE_ANY_SPRINGS && i < OPPOSED; ++i) {
+            allow_impulse(g, layout->spring[j][i], 3, impulse);
+        }
+        const double of_force = impulse + length * island->friction;
+        allow_impulse(g, layout->impulse[j], ode_impulses(g->ode.values), of_force);
+        most = fmax(most, of_force);
     }
-    for (int i = g->ode.layout.dissipated; i < g->ode.layout.size; ++i) {
-        p->weight[i] = 1.0 / (1.0 / p->weight[i] + most * g->per_impulse[i]);
-    }
+    allow_impulse(g, layout->dissipated, layout->size - layout->dissipated, most);
 }
 
 /* The size of a state is the larger of its sizes at the start and at the end of the guess. Where bodies turn,
@@ -386,15 +419,54 @@ static void note_friction(struct general *g, const struct scene_instant *at, int
         }
         const double limit = friction_limit(&o.law, o.regime, at->normal_force[contact]);
         const double rounding = rounding_of_friction(&o.law, limit, slips ? speeds : o.size);
-        double *largest = &g->rounding[g->ode.layout.island[contact]].friction;
+        double *largest = &g->island[g->ode.layout.island[contact]].friction;
         *largest = fmax(*largest, slips ? rounding : rounding / arm[0]);
     }
 }
 
-/* Notes by how much a unit impulse of a contact changes each integral: the impulses of the force by one,
- * those of the torques by their arms [m], the energies by the speeds [m/s]. A spin changes by as much as an
- * impulse across the arm would change it. */
-static void note_contact(struct general *g, const struct scene_instant *at, int contact)
+/* Returns the derivatives of the normal force of a contact in its regime. */
+static struct contact_slopes slopes_at(const struct scene_instant *at, int contact)
+{
+    const struct contact_law law = scene_contact_law(at->q, contact);
+    const enum contact_regime regime = (enum contact_regime)at->q->contact[contact].regime;
+    return contact_force_slopes(&law, regime, at->geometry[contact].gap, at->geometry[contact].gap_rate);
+}
+
+/* Notes by how much a unit impulse of a contact changes its states: speeds by 1/m, spins by an arm across it,
+ * the impulses of the force by one, those of the torques by their arms [m], the energies by the speeds [m/s].
+ * Returns the sum of the speeds that meet [m/s]. */
+static double note_impulse(struct general *g, const struct scene_instant *at, int contact, const int body[2],
+                           const double arm[2])
+{
+    const struct scene_values *v = g->ode.values;
+    const struct ode_layout *layout = &g->ode.layout;
+    double speeds = 0.0;
+    for (int i = 0; i < 2; ++i) {
+        const int first = layout->body[body[i]];
+        const int spin = layout->spin[body[i]];
+        const double by_spin = spin >= 0 ? arm[i] / body_inertia_of(v, body[i]).x : 0.0;
+        speeds += vec3_norm(at->velocity[body[i]]);
+        speeds += scene_turns(v) ? vec3_norm(at->turning.body[body[i]].angular_velocity) * arm[i] : 0.0;
+        for (int k = 0; k < 3 && first >= 0; ++k) {
+            g->per_impulse[first + 3 + k] = body_inverse_mass(v, body[i]);
+        }
+        for (int k = 0; k < 3 && spin >= 0; ++k) {
+            g->per_impulse[spin + k] = fmax(g->per_impulse[spin + k], by_spin);
+        }
+    }
+    for (int k = 0; k < ode_impulses(v); ++k) {
+        g->per_impulse[layout->impulse[contact] + k] = k < 3 ? 1.0 : arm[2 - k / 3];
+    }
+    for (int i = layout->dissipated; i < layout->size; ++i) {
+        g->per_impulse[i] += speeds;
+    }
+    return speeds;
+}
+
+/* Notes the rounding of a contact, and adds to `square` the stiffness that each of its bodies feels, times
+ * the body's admittance at the point of contact [1/s^2]. */
+static void note_contact(struct general *g, const struct scene_instant *at, int contact,
+                         double square[SCENE_BODIES])
 {
     const struct scene_values *v = g->ode.values;
     const int body[2] = {contact_source(contact), contact_destination(contact)};
@@ -402,62 +474,74 @@ static void note_contact(struct general *g, const struct scene_instant *at, int 
     const double apart = vec3_norm(at->separation[contact]);
     const double arm[2] = {turns ? vec3_norm(at->turning.source_arm[contact]) : apart,
                            turns ? vec3_norm(at->turning.destination_arm[contact]) : apart};
-    const double by_mass = scene_inverse_mass(v, contact);
-    double *impulses = g->per_impulse + g->ode.layout.impulse[contact];
-    struct general_rounding *rounding = &g->rounding[g->ode.layout.island[contact]];
-    double speeds = 0.0;
+    const double speeds = note_impulse(g, at, contact, body, arm);
+    const double by[2] = {normal_admittance(at, contact, 0), normal_admittance(at, contact, 1)};
+    const bool is_felt = by[0] + by[1] > 0.0;
+    const double stiffness = is_felt ? fabs(slopes_at(at, contact).by_gap) : 0.0;
+    struct general_island *island = &g->island[g->ode.layout.island[contact]];
+    struct general_rounding *rounding = &g->rounding[contact];
+    *rounding = (struct general_rounding){.place = ROUNDING_OF_GAP * rounding_of_gap(at, contact),
+                                          .spring = stiffness,
+                                          .momentum = is_felt ? speeds / (by[0] + by[1]) : 0.0,
+                                          .force = fabs(at->normal_force[contact])};
     for (int i = 0; i < 2; ++i) {
-        const int spin = g->ode.layout.spin[body[i]];
-        speeds += vec3_norm(at->velocity[body[i]]);
-        speeds += turns ? vec3_norm(at->turning.body[body[i]].angular_velocity) * arm[i] : 0.0;
-        for (int k = spin; k >= 0 && k < spin + 3; ++k) {
-            g->per_impulse[k] = fmax(g->per_impulse[k], arm[i] / body_inertia_of(v, body[i]).x);
-        }
+        const bool tips = SCENE_ANY_TIPPING && g->ode.layout.spin[body[i]] >= 0 && body_tips(v, body[i]);
+        rounding->place += tips ? ROUNDING_OF_STATES * arm[i] : 0.0; /* of the orientation */
+        square[body[i]] += stiffness * by[i];
     }
-    for (int k = 0; k < ode_impulses(v); ++k) {
-        impulses[k] = k < 3 ? 1.0 : arm[2 - k / 3];
-    }
-    for (int i = g->ode.layout.dissipated; i < g->ode.layout.size; ++i) {
-        g->per_impulse[i] += speeds;
-    }
-    const double mass = by_mass > 0.0 ? 1.0 / by_mass : 0.0;
-    rounding->mass = fmax(rounding->mass, mass);
-    rounding->momentum = fmax(rounding->momentum, mass * speeds);
-    rounding->force = fmax(rounding->force, fabs(at->normal_force[contact]));
-    if (!(mass > 0.0)) { /* without a free body no speed has an error that counts the spring's rounding */
-        rounding->friction = fmax(rounding->friction, rounding_of_force(at, contact));
+    if (!is_felt) { /* where neither body moves or turns no speed has an error that counts the rounding */
+        island->friction = fmax(island->friction, rounding_of_force(at, contact));
     }
     if (SCENE_ANY_FRICTION) {
         note_friction(g, at, contact, body, arm, speeds);
     }
 }
 
-/* Notes, at the start of a step, the rounding of gaps [m] and of friction, and the largest error allowed in
- * each state. */
+/* Notes, at the start of a step, the rounding of contacts and islands, the frequencies of the islands, and
+ * the largest error allowed in each state. */
 static void note_errors(struct general *g)
 {
-    const struct scene_instant *at = &g->at_start;
-    memset(g->rounding, 0, (size_t)g->ode.layout.groups * sizeof *g->rounding);
+    double square[SCENE_BODIES] = {0.0};
+    memset(g->island, 0, (size_t)g->ode.layout.groups * sizeof *g->island);
     for (int i = 0; i < g->ode.layout.size; ++i) {
         g->per_impulse[i] = 0.0;
         g->largest_error[i] = (double)INFINITY;
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (contact_transmits(g->state, j)) { /* bodies apart feel no rounding of their gap, however large */
-            const double of_gap = ROUNDING_OF_GAP * rounding_of_gap(at, j);
-            double *largest = &g->rounding[g->ode.layout.island[j]].place;
-            *largest = fmax(*largest, of_gap);
-            note_contact(g, at, j);
+            note_contact(g, &g->at_start, j, square);
+        }
+    }
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (contact_transmits(g->state, j)) {
+            double *of = &g->island[g->ode.layout.island[j]].frequency;
+            *of = fmax(*of, sqrt(square[contact_source(j)] + square[contact_destination(j)]));
         }
     }
 }
 
-/* Returns the fastest decay of a state that is no position [1/s], by slopes at the start or at the end. */
-static double fastest_decay_of(const struct radau_step *p, const double *slopes)
+/* Returns the fastest decay [1/s] of the motions in touch, by dashpots and by friction, and of springs of
+ * friction. */
+static double fastest_decay_at(const struct general *g, const struct scene_instant *at)
 {
+    const struct scene_values *v = g->ode.values;
     double most = 0.0;
-    for (int i = 0; i < p->others; ++i) {
-        most = fmax(most, fabs(slopes[p->other[i] * (p->problem.coupled + 1)]));
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (!contact_transmits(g->state, j)) {
+            continue;
+        }
+        const double by_normal = normal_admittance(at, j, 0) + normal_admittance(at, j, 1);
+        most = fmax(most, fabs(slopes_at(at, j).by_rate) * by_normal);
+        for (int i = 0; i < contact_opposed(v, j); ++i) {
+            const struct opposed_state o = opposed_of(at, j, i);
+            const struct friction_state rubbing = turning_rubbing(at, j, i);
+            struct friction_slopes by;
+            struct vec3 force = {0.0, 0.0, 0.0};
+            (void)friction_missed(&o.law, o.regime, rubbing, &force, false, 1.0, &by);
+            most = fmax(most, friction_spring_drive_of(&o.law, o.regime, rubbing).decay);
+            const struct vec3 slope = {by.by_slip[0].x, by.by_slip[1].y, by.by_slip[2].z};
+            most = fmax(most, vec3_max_abs(slope) * opposed_admittance(at, j, i));
+        }
     }
     return most;
 }
@@ -495,6 +579,7 @@ static void general_begin(struct general *g, double clock, const double *y)
     radau_step_begin(&g->step, clock, y);
     ode_instant(&g->ode, clock, g->step.y, &g->at_start);
     note_errors(g);
+    g->fastest_decay = general_rubs(g) ? fastest_decay_at(g, &g->at_start) : 0.0;
     if (!(g->plan.longest > 0.0 && isfinite(g->plan.longest))) {
         g->plan.longest = length_of_springs(g);
     }
@@ -513,7 +598,7 @@ static bool try_to_solve(struct general *g, const struct radau_stages *stages, d
 /* Whether a state decays within the step so fast that the polynomial does not follow it. */
 static bool is_stiff(const struct general *g)
 {
-    return general_rubs(g) && g->step.length * fastest_decay_of(&g->step, g->step.slopes) > LEAST_STIFF;
+    return general_rubs(g) && g->step.length * g->fastest_decay > LEAST_STIFF;
 }
 
 /* Rolling ends within a step if the fastest decay at its stages is less than this part of that at its start.
@@ -533,10 +618,8 @@ static double finish_step(struct general *g)
     g->error_at_end = fmax(error.at_end, g->within_share * error.within);
     g->error_of_rolling = 0.0;
     if (general_rubs(g) && g->error_at_end <= 1.0) {
-        radau_step_end_slopes(p);
-        const double decay = fastest_decay_of(p, p->slopes);
-        const bool ends = fastest_decay_of(p, p->end_slopes) < END_OF_ROLLING * decay;
-        g->error_of_rolling = ends ? error.within : 0.0;
+        const double decay = fastest_decay_at(g, &g->at_stage[p->stages->stages - 1]);
+        g->error_of_rolling = decay < END_OF_ROLLING * g->fastest_decay ? error.within : 0.0;
     }
     return fmax(g->error_at_end, g->error_of_rolling);
 }
@@ -1312,10 +1395,7 @@ static double note_tops(struct general *g, int contact, int load, const double e
 static bool search_tops(struct general *g, const struct scene_instant *at, int contact, const double ends[2])
 {
     const struct contact_peaks *noted = &g->state->contact[contact].peaks;
-    const struct contact_geometry *now = &at->geometry[contact];
-    const struct contact_law law = scene_contact_law(g->state, contact);
-    const enum contact_regime regime = (enum contact_regime)g->state->contact[contact].regime;
-    const double by_gap = fabs(contact_force_slopes(&law, regime, now->gap, now->gap_rate).by_gap);
+    const double by_gap = fabs(slopes_at(at, contact).by_gap);
     const double rounding = rounding_of_gap(at, contact);
     const double worth = 1.0 + fmax(g->relative, dense_output_worth_a_search(g->ode.values));
     const struct contact_shape shape = scene_contact_shape(g->state, contact);
@@ -1419,12 +1499,9 @@ static struct radau_problem problem_of(struct general *g, const struct scene_val
                                     .integrals = layout->integrals,
                                     .turns = scene_turns(v),
                                     .unknowns = node_forces_unknowns(v),
-                                    .groups = layout->groups,
-                                    .group_end = layout->group_end,
                                     .place = g->place,
                                     .speed = g->speed,
-                                    .rates = ode_rates,
-                                    .slopes = ode_jacobian};
+                                    .rates = ode_rates};
     for (int i = 0; i < SCENE_BODIES; ++i) {
         for (int k = 0; k < 3 && layout->body[i] >= 0; ++k) {
             g->place[problem.paired] = layout->body[i] + k;

@@ -785,12 +785,12 @@ static void move_others(struct iteration *it)
     const struct ode_layout *layout = &it->g->ode.layout;
     for (int i = 0; SCENE_ANY_TIPPING && i < SCENE_BODIES; ++i) {
         if (layout->orientation[i] >= 0 && layout->orientation[i] < layout->coupled) {
-            radau_step_pending(p, it->body[i].spin, 3, p->rates, p->scratch);
+            radau_step_pending(p, it->body[i].spin, 3, p->rates, 1.0, p->scratch);
             follow_spin(it, i, p->scratch);
         }
     }
     if (it->has_springs) {
-        radau_step_pending(p, 0, p->others, p->rates, p->scratch);
+        radau_step_pending(p, 0, p->others, p->rates, 1.0, p->scratch);
         follow_springs(it, true);
     }
 }
@@ -842,9 +842,9 @@ CONTACT_FLATTEN static void add_pending(struct iteration *it)
         const struct node *node = &it->node[k / it->contacts][k % it->contacts];
         add_loads(it, k / it->contacts, k % it->contacts, node->load);
     }
-    radau_step_pending(p, 0, p->others, p->rates, p->scratch);
+    radau_step_pending(p, 0, p->others, p->rates, 1.0, p->scratch);
     if (follows_places(it)) {
-        radau_step_integrals(p, p->scratch, p->more);
+        radau_step_pending(p, 0, p->others, p->scratch, 0.0, p->more);
     }
     for (int k = 0; k < count; ++k) {
         struct node *node = &it->node[k / it->contacts][k % it->contacts];
@@ -916,13 +916,13 @@ static inline void put_block(const struct iteration *it, const struct node *node
     for (int l = 0; l < shared->count; ++l) {
         arm[l] = vec3_scale(shared->by_inertia[l], by->arm[shared->other_end[l]]);
     }
-    for (int r = 0; r < of->rows && !(plain && r >= ROWS); ++r) {
+    for (int r = 0; r < (plain ? ROWS : of->rows); ++r) {
         struct vec3 effect = {0.0, 0.0, 0.0};
         struct vec3 twist = {0.0, 0.0, 0.0};
         if (r < ROWS) {
             effect = vec3_axpy(vec3_scale(w->once, node->by_motion[r]), w->square, node->by_place[r]);
             effect = springs ? vec3_add(effect, row_of_springs(node->by_drive, w->by_slip, r)) : effect;
-            effect = of->rows >= ROWS ? vec3_axpy(effect, w->square, node->by_swing[r]) : effect;
+            effect = plain || of->rows >= ROWS ? vec3_axpy(effect, w->square, node->by_swing[r]) : effect;
             effect = vec3_scale(shared->by_mass, effect);
         }
         effect = node == by ? vec3_add(effect, node->by_force[r]) : effect;
@@ -938,7 +938,7 @@ static inline void put_block(const struct iteration *it, const struct node *node
             struct vec3 *own = r < ROWS ? &effect : &twist;
             *own = vec3_add(*own, row_of_springs(node->by_drive, w->by_force, r));
         }
-        if (from->rows == ROWS_WITHOUT_FRICTION) {
+        if (!plain && from->rows == ROWS_WITHOUT_FRICTION) {
             to[r] = vec3_dot(effect, by->push);
             continue;
         }
@@ -993,7 +993,7 @@ CONTACT_FLATTEN static void put_blocks(const struct iteration *it, int c, int d)
     if (shared.count == 0 && shared.by_mass == 0.0 && c != d) {
         return;
     }
-    const bool plain = !of->springs && of->rows <= ROWS && from->rows <= ROWS;
+    const bool plain = !of->springs && of->rows == ROWS && from->rows == ROWS;
     const bool along_normals = of->rows == ROWS_WITHOUT_FRICTION && from->rows == ROWS_WITHOUT_FRICTION;
     if (along_normals && !(SCENE_ANY_TURNING && scene_turns(it->g->ode.values))) {
         put_blocks_of_normals(it, c, d, shared.by_mass);

@@ -28,13 +28,18 @@ struct general_end {
     struct general_event event; /* the event that ends the step, and the part of the step there */
 };
 
-/* The largest of the contacts of an island that transmit forces, at the start of a step. */
+/* A contact that transmits a force, at the start of a step. */
 struct general_rounding {
     double place;    /* rounding of the gap [m] */
-    double friction; /* rounding of regularized friction, and of a force where neither body is free [N] */
-    double mass;     /* reduced mass [kg] */
-    double momentum; /* reduced mass times the speeds that meet [N s] */
+    double spring;   /* stiffness of a spring that moves or turns a body [N/m] */
+    double momentum; /* what moves at the point of contact times the speeds that meet [N s] */
     double force;    /* normal force [N] */
+};
+
+/* The largest of an island at the start of a step. */
+struct general_island {
+    double frequency; /* of the springs [rad/s] */
+    double friction;  /* rounding of regularized friction, and of a force that moves no body [N] */
 };
 
 struct general {
@@ -45,7 +50,9 @@ struct general {
     int place[3 * SCENE_BODIES], speed[3 * SCENE_BODIES]; /* pairs of states for math/radau_step.h */
     double relative, absolute;                            /* error allowed in a step [1], [m, m/s, ...] */
     struct step_plan plan; /* a part of the state, so that a restored state continues bit for bit */
-    struct general_rounding rounding[ODE_MOST_GROUPS]; /* of each group of states */
+    struct general_rounding rounding[SCENE_CONTACTS];
+    struct general_island island[ODE_MOST_GROUPS];
+    double fastest_decay; /* at the start of the step, of motions that friction and dashpots oppose [1/s] */
     double error_of_rolling; /* error where rolling ends within the step, divided by the error allowed */
     double error_within;     /* largest error within the last step, divided by the error allowed */
     double error_at_end;     /* error at the end of the last step, divided by the error allowed */

@@ -35,6 +35,7 @@ struct pair_phase {
     struct chain chain;
     struct island *island; /* behind this struct, where there may be one */
     double longest, time;  /* limit and length of the phase [s] */
+    long work;             /* in the units of struct advance */
     int terminal;          /* the contact with a terminal event at the phase's end; -1: none */
     enum contact_regime next;
     bool changes;                 /* whether the regime or the zone of that contact changes at the end */
@@ -310,7 +311,7 @@ static double others_apart_for(const struct scene_instant *at, const struct chai
     double time = longest;
     for (int j = 0; SCENE_CONTACTS > 1 && j < SCENE_CONTACTS; ++j) {
         if (contact_transmits(at->q, j) || !contact_is_coupled(at->q, j) ||
-            (SCENE_HAS_CHAINS && chain != NULL && chain_has(chain, j))) {
+            (SCENE_HAS_CHAINS && chain != NULL && chain->has[j])) {
             continue;
         }
         const double least = NEARBY * contact_source_radius(at->v, j);
@@ -341,6 +342,7 @@ static bool add_pair(struct pair_phase *all, const struct scene_instant *at, int
     if (SCENE_ANY_FRICTION && p->rubs && !rubbing_allows(p, at->q, contact)) {
         return false;
     }
+    all->work += p->work; /* also of segments that are made again */
     const double end = segment_time(p, p->end);
     const double terminal = p->terminal.s <= p->end ? segment_time(p, p->terminal.s) : (double)INFINITY;
     const double latest = all->terminal < 0 ? all->time / ALL_OF_IT : all->time;
@@ -350,7 +352,7 @@ static bool add_pair(struct pair_phase *all, const struct scene_instant *at, int
         all->next = p->terminal.regime;
         all->lifts = SCENE_ANY_FRICTION && p->terminal.lifts;
         all->changes = all->next != (enum contact_regime)at->q->contact[contact].regime ||
-                       zone_end_is_terminal(p) || all->lifts;
+                       (SCENE_ANY_ZONES && p->leaves_zone) || all->lifts;
     } else if (end < all->time && end < longest * ALL_OF_IT) {
         all->time = end;
         all->terminal = -1;
@@ -363,6 +365,7 @@ static void begin_form(struct pair_phase *all, enum phase_form form, double long
 {
     all->form = form;
     all->longest = all->time = longest;
+    all->work = 0;
     all->terminal = -1;
     all->changes = true;
     all->lifts = false;
@@ -381,6 +384,7 @@ static bool make_chain(struct pair_phase *all, const struct scene_instant *at, d
     }
     chain_find_end(c, all->longest);
     all->time = c->end;
+    all->work = chain_work(c);
     if (c->terminal >= 0) {
         all->terminal = c->contact[c->terminal];
         all->next = contact_transmits(at->q, all->terminal) ? REGIME_APART : REGIME_COMPRESSION;
@@ -405,6 +409,7 @@ static bool make_island(struct pair_phase *all, const struct scene_instant *at, 
         return false;
     }
     begin_form(all, PHASE_OF_ISLAND, longest);
+    all->work = island_work(s);
     all->time = s->terminal < 0 && s->time >= longest * ALL_OF_IT ? longest : fmin(s->time, longest);
     all->terminal = s->terminal;
     all->next = s->next;
@@ -421,12 +426,6 @@ static bool make_segments(struct pair_phase *all, const struct scene_instant *at
     begin_form(all, PHASE_OF_SEGMENTS, others_apart_for(at, NULL, longest));
     if (!(all->longest > 0.0)) {
         return false;
-    }
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        all->segment[j].kind = SEGMENT_CLOSED_FORM; /* pairs without a segment need values, too */
-        all->segment[j].unit = all->segment[j].end = 0.0;
-        all->segment[j].work = 0;
-        all->segment[j].rubs = false;
     }
     for (double before = (double)INFINITY; all->time < before;) {
         before = SCENE_CONTACTS > 1 ? all->time : 0.0;
@@ -556,19 +555,6 @@ static void follow_pairs(struct pair_phase *all, struct scene_state *q, double n
     q->phase.followed = clock;
 }
 
-static long work_of_pairs(const struct pair_phase *all)
-{
-    if (SCENE_HAS_ISLANDS && all->form != PHASE_OF_SEGMENTS) {
-        return SCENE_HAS_CHAINS && all->form == PHASE_OF_CHAIN ? chain_work(&all->chain)
-                                                               : island_work(all->island);
-    }
-    long sum = 0;
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        sum += all->segment[j].work;
-    }
-    return sum;
-}
-
 /* Makes the segments of a phase anew where those in memory belong to another phase. */
 static bool restore_pairs(struct pair_phase *all, const struct scene_state *q)
 {
@@ -593,10 +579,10 @@ static double harmless_time(const struct pair_phase *all, const struct scene_sta
     double time = (double)INFINITY;
     for (int j = 0; all->form == PHASE_OF_SEGMENTS && j < SCENE_CONTACTS; ++j) {
         const struct segment *p = &all->segment[j];
-        if (contact_pushes(q, j) && segment_is_deep(p)) {
-            time = 0.0;
-        } else if (SCENE_ANY_FRICTION && p->rubs) {
-            time = fmin(time, rubbing_short_until(p, q, j));
+        if (contact_pushes(q, j)) {
+            time = segment_is_deep(p)              ? 0.0
+                   : SCENE_ANY_FRICTION && p->rubs ? fmin(time, rubbing_short_until(p, q, j))
+                                                   : time;
         }
     }
     return time;
@@ -629,7 +615,7 @@ static bool begin_pairs(struct pair_phase *all, struct scene_state *q, double un
         keep_start(q, false);
         all->made_from = q->phase;
     }
-    advance_spend(step, 1, work_of_pairs(all));
+    advance_spend(step, 1, all->work);
     return true;
 }
 
@@ -738,25 +724,18 @@ static enum advance_result advance_phase(struct integrator *s, struct scene_stat
     return result;
 }
 
-/* Puts a contact into its next regime; returns whether the contact begins or ends by this change. */
-static bool change_regime(struct scene_state *q, struct advance *step, int contact,
-                          enum contact_regime regime)
-{
-    const bool touched = q->contact[contact].regime != (int32_t)REGIME_APART;
-    transition_change_regime(q, contact, regime, &step->now);
-    step->is_now = true;
-    return touched != (q->contact[contact].regime != (int32_t)REGIME_APART);
-}
-
-/* Changes the regime by the event that ended a phase; returns whether a contact begins or ends by it. */
+/* Takes the event that ended a phase; returns whether a contact begins or ends by it. */
 static bool take_event(struct scene_state *q, struct advance *step)
 {
+    const int32_t *regime = &q->contact[step->contact].regime;
+    const bool touched = *regime != (int32_t)REGIME_APART;
     if (SCENE_ANY_FRICTION && step->event > ODE_EVENT_LAW && step->event != ODE_EVENT_ZONE) {
         transition_change_friction(q, step->contact, (enum ode_event)step->event, &step->now);
-        step->is_now = true;
-        return false;
+    } else {
+        transition_change_regime(q, step->contact, step->regime, &step->now);
     }
-    return change_regime(q, step, step->contact, step->regime);
+    step->is_now = true;
+    return touched != (*regime != (int32_t)REGIME_APART);
 }
 
 /* Returns the end of the step [s] after a contact has begun or ended. The caller's at_event may read the
@@ -776,18 +755,17 @@ static double end_after_event(const struct step_request *request, struct scene_s
  * take some hundredths of a second to compute. */
 enum { MOST_AT_ONCE = 10000 };
 
-static enum integrator_status run_phases(struct integrator *s, struct scene_state *q, struct advance *step,
-                                         const struct step_request *request)
+static enum advance_result run_phases(struct integrator *s, struct scene_state *q, struct advance *step,
+                                      const struct step_request *request)
 {
     const double start = step->start;
     double end_time = request->end_time;
     double latest = -(double)INFINITY; /* time of the last event [s] */
     int at_once = 0;
     for (;;) {
-        bool begins_or_ends = false;
         const double remaining = scene_remaining(q, end_time);
         if (!(remaining > 0.0)) {
-            return INTEGRATOR_DONE;
+            return ADVANCE_REACHED;
         }
         look_ahead(q, remaining, step);
         const int next = contact_changing_first(q);
@@ -795,35 +773,32 @@ static enum integrator_status run_phases(struct integrator *s, struct scene_stat
         const double end = q->clock + remaining;
         step->clock_limit = fmin(change, q->horizon_clock);
         step->clock_end = fmin(end, step->clock_limit);
-        step->event = ODE_EVENT_GAP;
-        const enum advance_result result = advance_phase(s, q, step);
+        enum advance_result result = advance_phase(s, q, step);
         step->is_now = false;
-        if (result == ADVANCE_FAILED) {
-            return INTEGRATOR_FAILED;
+        if (result == ADVANCE_STEP_LIMIT && !advance_is_spent(step)) {
+            return ADVANCE_STALLED; /* a quadrature has ended by a limit of its own */
         }
-        if (result == ADVANCE_STEP_LIMIT) { /* a quadrature may end by a limit of its own */
-            return advance_is_spent(step) ? INTEGRATOR_STEP_LIMIT : INTEGRATOR_STALLED;
+        if (result == ADVANCE_REACHED && step->clock_end >= change) {
+            step->contact = next;
+            step->regime = (enum contact_regime)q->contact[next].schedule.change_regime;
+            step->event = ODE_EVENT_GAP;
+            result = ADVANCE_EVENT;
         }
-        if (result == ADVANCE_EVENT) {
-            begins_or_ends = take_event(q, step);
-        } else if (step->clock_end >= change) {
-            begins_or_ends =
-                change_regime(q, step, next, (enum contact_regime)q->contact[next].schedule.change_regime);
-        } else if (step->clock_end >= end) {
-            return INTEGRATOR_DONE;
+        if (result != ADVANCE_EVENT && (result != ADVANCE_REACHED || step->clock_end >= end)) {
+            return result;
         }
-        if (begins_or_ends) {
+        if (result == ADVANCE_EVENT && take_event(q, step)) {
             end_time = end_after_event(request, q, start, end_time);
         }
         at_once = scene_time(q) > latest ? 0 : at_once + 1;
         if (at_once == MOST_AT_ONCE) {
-            return INTEGRATOR_STALLED;
+            return ADVANCE_STALLED;
         }
         latest = scene_time(q);
         /* An event counts as a step, so that the limit of steps ends any number of events. */
         advance_spend(step, 1, 1);
         if (advance_is_spent(step)) {
-            return INTEGRATOR_STEP_LIMIT;
+            return ADVANCE_STEP_LIMIT;
         }
     }
 }
@@ -846,9 +821,7 @@ static void follow_phase(struct integrator *s, struct scene_state *q, double not
 #endif
 }
 
-/* Computes the motion of deferred steps and, for their readers, what the last of them sums up: means and
- * peaks. */
-static void catch_up(struct integrator *s, struct scene_state *q, bool sums)
+void integrator_catch_up(struct integrator *s, struct scene_state *q, bool sums)
 {
     const double clock = q->clock;
     if (!q->deferred || !(q->phase.end > 0.0 || keeps_step(q))) {
@@ -870,11 +843,6 @@ static void catch_up(struct integrator *s, struct scene_state *q, bool sums)
     }
 }
 
-void integrator_catch_up(struct integrator *s, struct scene_state *q)
-{
-    catch_up(s, q, true);
-}
-
 /* Returns the clock until which communication steps need only advance the clock. */
 static double deferrable_until(const struct scene_state *q)
 {
@@ -884,8 +852,8 @@ static double deferrable_until(const struct scene_state *q)
     return keeps_step(q) ? q->unfinished.end : flight_deferrable_until(q);
 }
 
-enum integrator_status integrator_run(struct integrator *s, struct scene_state *q,
-                                      const struct step_request *request)
+enum advance_result integrator_run(struct integrator *s, struct scene_state *q,
+                                   const struct step_request *request)
 {
     const double start = scene_time(q);
     const long budget = solver_max_internal_steps(q->v);
@@ -893,18 +861,18 @@ enum integrator_status integrator_run(struct integrator *s, struct scene_state *
     step.start = start;
     step.budget = budget;
     step.work = budget > LEAST_WORK ? budget : LEAST_WORK;
-    catch_up(s, q, false);
+    integrator_catch_up(s, q, false);
     transition_begin_step(q, &step.now);
     step.is_now = true;
     step.passed = q->clock;
     if (solver_method(q->v) == SOLVER_METHOD_EVENT_DRIVEN && !scene_keeps_steps(q->v)) {
         q->integrator_fresh = 1; /* CVODE's history is in no saved state: each step does without it */
     }
-    const enum integrator_status status = run_phases(s, q, &step, request);
+    const enum advance_result result = run_phases(s, q, &step, request);
     q->step_length = scene_time(q) - start;
     transition_end_step(q);
     q->deferrable_clock =
-        status == INTEGRATOR_DONE && !scene_is_force_element(q->v) ? deferrable_until(q) : 0.0;
+        result == ADVANCE_REACHED && !scene_is_force_element(q->v) ? deferrable_until(q) : 0.0;
     q->only_flies = !(q->phase.end > 0.0 || scene_turns(q->v) || (SCENE_CONTACTS > 1 && keeps_step(q)));
-    return status;
+    return result;
 }

@@ -20,8 +20,14 @@
 
 /* An advance integrates one phase within fixed regimes, up to a clock or to the first change of a regime. */
 
-/* The reason why an advance ended. */
-enum advance_result { ADVANCE_REACHED, ADVANCE_EVENT, ADVANCE_STEP_LIMIT, ADVANCE_FAILED };
+/* The reason why an advance or a whole step ended. */
+enum advance_result {
+    ADVANCE_REACHED,    /* the end */
+    ADVANCE_EVENT,      /* a change of a regime, which ends no step */
+    ADVANCE_STEP_LIMIT, /* solver.max_internal_steps; q holds the time and state so far */
+    ADVANCE_STALLED,    /* contacts change without end, or nearly so; q holds the time and state so far */
+    ADVANCE_FAILED      /* the method gave up; q holds the last good state, integrator.message says why */
+};
 
 struct advance {
     double start;       /* in: the time at which the communication step began [s] */
@@ -67,13 +73,6 @@ static inline enum advance_result advance_to_event(struct advance *step, const s
     return ADVANCE_EVENT;
 }
 
-enum integrator_status {
-    INTEGRATOR_DONE,       /* arrived at the end time */
-    INTEGRATOR_STEP_LIMIT, /* solver.max_internal_steps reached; q holds the time and state so far */
-    INTEGRATOR_STALLED,    /* contacts change without end, or nearly so; q holds the time and state so far */
-    INTEGRATOR_FAILED      /* the method gave up; q holds the last good state, integrator.message says why */
-};
-
 enum { INTEGRATOR_MESSAGE_SIZE = 256 };
 
 /* The functions by which the methods allocate and release their memory. */
@@ -100,12 +99,13 @@ void integrator_close(struct integrator *s);
 
 /* Integrates to the end of the step, through as many phases as there are. The tolerances are taken from q->v.
  * Deferred steps may have gone before. */
-enum integrator_status integrator_run(struct integrator *s, struct scene_state *q,
-                                      const struct step_request *request);
+enum advance_result integrator_run(struct integrator *s, struct scene_state *q,
+                                   const struct step_request *request);
 
-/* Computes the motion of deferred steps, in which only the clock has advanced. Steps can be deferred in
- * flight (flight.h), within a phase of contact pairs, whose motion is a function of its start and of the
- * clock, and within a step of the general segment, which has a polynomial. */
-void integrator_catch_up(struct integrator *s, struct scene_state *q);
+/* Computes the motion of deferred steps, in which only the clock has advanced, and if `sums` the means and
+ * peaks over the last of them. Steps can be deferred in flight (flight.h), within a phase of contact pairs,
+ * whose motion is a function of its start and of the clock, and within a step of the general segment, which
+ * has a polynomial. */
+void integrator_catch_up(struct integrator *s, struct scene_state *q, bool sums);
 
 #endif

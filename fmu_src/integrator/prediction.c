@@ -67,26 +67,6 @@ static struct root_bracket_end gap_along(const struct relative_path *path, doubl
     return end;
 }
 
-static bool is_at_centre(const struct relative_path *path, double s)
-{
-    return path->shape->side * gap_along(path, s).value + path->reach <= NO_DISTANCE;
-}
-
-/* Whether the distance falls to zero, within rounding, before the parameter `until` of the path. A source
- * that does not move, for example on the axis, passes no centre; its normal keeps its direction. */
-static bool path_passes_centre(const struct relative_path *path, const double *extremes, int count,
-                               double until)
-{
-    if (path->degree == 0 || contact_is_plane(path->shape)) {
-        return false;
-    }
-    bool passes = is_at_centre(path, 0.0) || is_at_centre(path, fmin(until, 1.0));
-    for (int i = 0; i < count && extremes[i] < until; ++i) {
-        passes = passes || is_at_centre(path, extremes[i]);
-    }
-    return passes;
-}
-
 /* Whether the path is too short for the bodies to touch or for their centres to meet. */
 static bool path_keeps_away(const struct relative_path *path)
 {
@@ -99,11 +79,15 @@ static bool path_keeps_away(const struct relative_path *path)
 }
 
 /* Returns the place s on the path at which the bodies first touch from the place `settle` on, or INFINITY.
- * Bodies whose gap is not above zero at `settle` touch there, unless the gap rises above zero first. */
-static double first_touch(const struct relative_path *path, const double *extremes, int count, double settle)
+ * Bodies whose gap is not above zero at `settle` touch there, unless the gap rises above zero first. Sets the
+ * least distance d before the touch [scale]. */
+static double first_touch(const struct relative_path *path, double settle, double *nearest)
 {
+    double extremes[POLYNOMIAL_MAX_DEGREE];
+    const int count = polynomial_add_sign_changes(&path->closing, extremes, 0);
     struct root_bracket_end low = gap_along(path, settle);
     double earliest = settle;
+    *nearest = path->start;
     for (int i = 0; i <= count; ++i) {
         const double s = i < count ? extremes[i] : 1.0;
         if (!(s > low.s)) {
@@ -121,6 +105,7 @@ static double first_touch(const struct relative_path *path, const double *extrem
             return earliest;
         }
         low = high;
+        *nearest = fmin(*nearest, path->shape->side * high.value + path->reach);
     }
     return (double)INFINITY;
 }
@@ -148,37 +133,37 @@ static double gap_bend(const struct contact_shape *shape, const struct contact_g
  * first touch. A contact whose gap has just passed zero is within a dead band until the gap exceeds its
  * rounding. */
 static struct regime_change touch_in_flight(const struct scene_instant *at, const struct contact_shape *shape,
-                                            int contact, double horizon)
+                                            const struct separation_path *separation, int contact,
+                                            double horizon)
 {
-    const struct separation_path separation = separation_path_of(at, at->q->clock, contact);
     const struct contact_geometry *now = &at->geometry[contact];
     const double rounding = rounding_now(at, contact);
     const double dead_band = at->q->contact[contact].schedule.dead_band_clock - at->q->clock;
     const bool has_normal = !singularity_is_reached(at, contact, shape);
     const bool head_on = has_normal && !(dead_band > 0.0);
     double touch;
-    if (head_on && flight_is_head_on(shape, &separation, now->normal) &&
-        flight_head_on_touch(shape, &separation, now, rounding, horizon, &touch)) {
+    if (head_on && flight_is_head_on(shape, separation, now->normal) &&
+        flight_head_on_touch(shape, separation, now, rounding, horizon, &touch)) {
         return touch_at(touch);
     }
     /* bodies touch at once if their relative speed is rounding and a load presses them together */
-    if (now->gap == 0.0 && gap_bend(shape, now, &separation) < 0.0 && !(dead_band > 0.0) &&
+    if (now->gap == 0.0 && gap_bend(shape, now, separation) < 0.0 && !(dead_band > 0.0) &&
         fabs(now->gap_rate) <= rounding_of_rate(at, contact)) {
         return touch_at(0.0);
     }
-    const struct relative_path path = relative_path_make(shape, &separation, now->gap, horizon);
+    const struct relative_path path = relative_path_make(shape, separation, now->gap, horizon);
     if (path_keeps_away(&path)) {
         return touch_at((double)INFINITY);
     }
     /* Bodies that approach touch where g = 0; a wait until the gap exceeds rounding would add penetration. */
     const bool approaches = now->gap_rate < -rounding_of_rate(at, contact);
     const double settle = leaving_time(now->gap, approaches ? 0.0 : rounding,
-                                       vec3_dot(now->normal, separation.c[1]), vec3_norm(separation.c[2]));
-    double extremes[POLYNOMIAL_MAX_DEGREE];
-    const int count = polynomial_sign_changes(&path.closing, extremes);
-    const double s = first_touch(&path, extremes, count, fmin(fmax(dead_band, settle) / horizon, 1.0));
+                                       vec3_dot(now->normal, separation->c[1]), vec3_norm(separation->c[2]));
+    double nearest;
+    const double s = first_touch(&path, fmin(fmax(dead_band, settle) / horizon, 1.0), &nearest);
     struct regime_change next = touch_at(s * horizon);
-    next.passes_centre = path_passes_centre(&path, extremes, count, s);
+    /* a source that does not move, for example on the axis, passes no centre; its normal stays */
+    next.passes_centre = path.degree > 0 && !contact_is_plane(shape) && nearest <= NO_DISTANCE;
     return next;
 }
 
@@ -200,37 +185,37 @@ static double law_rate_at(const struct advancement_path *path, const struct adva
     return at->geometry.gap_rate + path->shape.side * vec3_dot(at->geometry.normal, mismatch);
 }
 
-/* Returns the regime at a time: it is another one than `present` only where the law's event function exceeds
- * its rounding, so that rounding at one event cannot cause another event. */
+/* Returns the regime that follows by the law. It is another one than `present` only where the law's event
+ * function is below zero by more than its rounding and by more than `left`, so that rounding at one event
+ * cannot cause another event. */
+static enum contact_regime regime_by_law(const struct contact_law *law, enum contact_regime present,
+                                         double gap, double rate, double gap_noise, double rate_noise,
+                                         double left)
+{
+    const double event = contact_event(law, present, gap, rate);
+    if (event >= -left) {
+        return present;
+    }
+    const struct contact_slopes slopes = contact_event_slopes(law, present);
+    const double noise = fabs(slopes.by_gap) * gap_noise + fabs(slopes.by_rate) * rate_noise;
+    return event < -noise ? contact_regime_after(law, present) : present;
+}
+
+/* Returns the regime of bodies that touch at a time. Of bodies that have been apart the law alone gives it:
+ * where the source passes an end plane, rounding decides on which side of the plane it is. */
 static enum contact_regime regime_at_time(const struct advancement_path *path, const struct contact_law *law,
                                           enum contact_regime present, double time)
 {
     struct advancement_instant at;
     advancement_at(path, time, &at);
-    const double gap = at.geometry.gap;
+    const double gap = fmin(at.geometry.gap, -DBL_MIN);
     const double rate = law_rate_at(path, &at, time);
-    const enum contact_regime then =
-        contact_regime_of(law, gap, rate, scene_beyond_ends(&path->shape, &at.geometry) <= 0.0);
-    if (then == present) {
-        return present;
+    if (present == REGIME_APART) {
+        return contact_regime_of(law, gap, rate, true);
     }
-    const struct contact_slopes slopes = contact_event_slopes(law, present, gap, rate);
     const double gap_noise = at.noise[ADVANCEMENT_GAP];
     const double tilt = contact_turns(&path->shape, &at.geometry) ? gap_noise / at.geometry.distance : 0.0;
-    const double rate_noise = vec3_norm(at.c[1]) * (ROUNDINGS + tilt);
-    const bool is_clear = fabs(contact_event(law, present, gap, rate)) >
-                          fabs(slopes.by_gap) * gap_noise + fabs(slopes.by_rate) * rate_noise;
-    return is_clear ? then : present;
-}
-
-/* Returns the regime of bodies that touch from now on. Where the source passes an end plane, rounding decides
- * on which side of the plane it is. */
-static enum contact_regime regime_of_touch(const struct advancement_path *path, const struct contact_law *law,
-                                           double time)
-{
-    struct advancement_instant at;
-    advancement_at(path, time, &at);
-    return contact_regime_of(law, fmin(at.geometry.gap, -DBL_MIN), law_rate_at(path, &at, time), true);
+    return regime_by_law(law, present, gap, rate, gap_noise, vec3_norm(at.c[1]) * (ROUNDINGS + tilt), 0.0);
 }
 
 static double halve_to_regime(const struct advancement_path *path, const struct contact_law *law,
@@ -246,27 +231,26 @@ static double halve_to_regime(const struct advancement_path *path, const struct 
 }
 
 /* Looks for a change of regime by the force law before `until` [s], while the bodies go on touching. */
-static void look_for_law(const struct advancement_path *from_now, const struct contact_law *law,
+static void look_for_law(struct advancement_path *path, const struct contact_law *law,
                          enum contact_regime present, double until, long budget, struct prediction *found)
 {
-    struct advancement_path path = *from_now;
-    const double turning = advancement_turning(&path, 0.0, until);
+    const double turning = advancement_turning(path, 0.0, until);
     const double wanted = LEAST_LAW_INSTANTS + LAW_INSTANTS_PER_RADIAN * turning * until;
     const long count = (long)fmin(wanted, fmin(MOST_LAW_INSTANTS, fmax(LEAST_LAW_INSTANTS, (double)budget)));
     double before = 0.0;
     for (long i = 1; i <= count; ++i) {
         const double time = until * fmin((double)i / (double)count, JUST_BEFORE);
-        const enum contact_regime then = regime_at_time(&path, law, present, time);
+        const enum contact_regime then = regime_at_time(path, law, present, time);
         found->evaluations += 1;
-        if (then != present && then != REGIME_APART) {
-            const double change = halve_to_regime(&path, law, present, before, time);
+        if (then != present) {
+            const double change = halve_to_regime(path, law, present, before, time);
             struct advancement_instant at;
-            advancement_at(&path, change, &at);
+            advancement_at(path, change, &at);
             found->next = (struct regime_change){change, then, at.geometry.gap, true};
             return;
         }
         before = time;
-        advancement_move_on(&path, time);
+        advancement_move_on(path, time);
     }
 }
 
@@ -275,17 +259,17 @@ static struct prediction advancement_prediction(const struct scene_instant *at, 
 {
     const enum contact_regime present = (enum contact_regime)at->q->contact[contact].regime;
     const struct contact_law law = scene_contact_law(at->q, contact);
-    const struct advancement_path path = advancement_path_of(at, at->q->clock, contact);
+    struct advancement_path path = advancement_path_of(at, at->q->clock, contact);
     const bool apart = present == REGIME_APART;
     const struct advancement_result change = advancement_first(&path, horizon, budget);
-    /* While the bodies are apart, n acts on nothing. */
-    const struct regime_change next = {change.after, present, change.gap, .passes_centre = !apart};
-    struct prediction found = {next, change.searched, change.evaluations};
+    /* While the bodies are apart, n acts on nothing: no passage of the centre counts. */
+    struct prediction found = {
+        {change.after, present, change.gap, !apart}, change.searched, change.evaluations};
     if (change.after < (double)INFINITY) {
         found.searched = horizon;
         found.next.regime = !apart              ? REGIME_APART
                             : change.gap == 0.0 ? REGIME_COMPRESSION
-                                                : regime_of_touch(&path, &law, change.after);
+                                                : regime_at_time(&path, &law, present, change.after);
     }
     if (!apart && contact_has_events(&law)) {
         look_for_law(&path, &law, present, fmin(change.after, change.searched), budget, &found);
@@ -305,8 +289,7 @@ struct separating {
     double left;                  /* an integrator may leave the event function below zero by this much */
 };
 
-/* Returns the regime at the place s of the path, by a gap that has the digits of the gap at the start. The
- * force returns where the law's event function is below zero by more than rounding. */
+/* Returns the regime at the place s of the path, by a gap that has the digits of the gap at the start. */
 static enum contact_regime separating_at(const struct separating *f, double s, double *gap)
 {
     const double time = s * f->path.horizon;
@@ -317,11 +300,7 @@ static enum contact_regime separating_at(const struct separating *f, double s, d
     if (!(*gap < 0.0)) {
         return s > f->settle ? REGIME_APART : REGIME_SEPARATING;
     }
-    const struct contact_slopes slopes = contact_event_slopes(&f->law, REGIME_SEPARATING, *gap, rate);
-    const double noise = fabs(slopes.by_gap) * f->gap_noise + fabs(slopes.by_rate) * f->rate_noise;
-    return contact_event(&f->law, REGIME_SEPARATING, *gap, rate) < -fmax(noise, f->left)
-               ? contact_regime_of(&f->law, *gap, rate, true)
-               : REGIME_SEPARATING;
+    return regime_by_law(&f->law, REGIME_SEPARATING, *gap, rate, f->gap_noise, f->rate_noise, f->left);
 }
 
 /* A separating contact is evaluated at so many places between two extremes of its gap. Between two of these
@@ -330,13 +309,15 @@ enum { SEPARATING_PLACES = 16 };
 
 /* Returns the first change of a separating contact, whose bodies fly: they part, or the force returns. */
 static struct regime_change separating_change(const struct scene_instant *at,
-                                              const struct contact_shape *shape, int contact, double horizon)
+                                              const struct contact_shape *shape,
+                                              const struct separation_path *separation, int contact,
+                                              double horizon)
 {
     const struct contact_geometry *now = &at->geometry[contact];
     const double by_positions = rounding_of_gap(at, contact);
     struct separating f = {.shape = *shape,
                            .law = scene_contact_law(at->q, contact),
-                           .separation = separation_path_of(at, at->q->clock, contact),
+                           .separation = *separation,
                            .normal = now->normal};
     f.path = relative_path_make(&f.shape, &f.separation, now->gap, horizon);
     f.gap_noise = rounding_now(at, contact);
@@ -349,7 +330,7 @@ static struct regime_change separating_change(const struct scene_instant *at,
                  ? fmax(-2.0 * contact_event(&f.law, REGIME_SEPARATING, now->gap, now->gap_rate), 0.0)
                  : 0.0;
     double extremes[POLYNOMIAL_MAX_DEGREE];
-    const int count = polynomial_sign_changes(&f.path.closing, extremes);
+    const int count = polynomial_add_sign_changes(&f.path.closing, extremes, 0);
     double from = 0.0;
     double before = 0.0;
     double gap;
@@ -376,28 +357,6 @@ static struct regime_change separating_change(const struct scene_instant *at,
     return no_change(REGIME_SEPARATING, true);
 }
 
-/* Returns the first change of a contact by a search along its path. Conservative advancement follows a
- * prescribed contact, and bodies that are apart where the source may pass an open end. Any other contact here
- * is separating. */
-static struct prediction change_on_path(const struct scene_instant *at, const struct contact_shape *shape,
-                                        int contact, double horizon, long budget)
-{
-    struct prediction found = {.searched = horizon};
-    const bool has_ends = scene_ends_suddenly(at->v, contact);
-    if (contact_is_prescribed(at->v, contact) ||
-        (has_ends && at->q->contact[contact].regime == (int32_t)REGIME_APART)) {
-        return advancement_prediction(at, contact, horizon, budget);
-    }
-    found.next = separating_change(at, shape, contact, horizon);
-    if (has_ends) {
-        const struct separation_path separation = separation_path_of(at, at->q->clock, contact);
-        const struct regime_change end = passage_of_end(
-            shape, &separation, rounding_of_axial(at, contact, shape), 0.0, horizon, REGIME_SEPARATING);
-        found.next = end.after < found.next.after ? end : found.next;
-    }
-    return found;
-}
-
 /* Returns the first change of a contact with a capped cylinder that transmits no force to a free body.
  * Conservative advancement finds it, except while the contact separates within its zone on a side or a cap,
  * where the gap may be smaller than the rounding of positions. A prescribed contact that goes into another
@@ -419,7 +378,7 @@ static struct prediction change_at_capped(const struct scene_instant *at, int co
     }
     const double end = present == REGIME_APART ? (double)INFINITY : zone_path_end(&in.solid, &path, horizon);
     if (present == REGIME_SEPARATING && !contact_is_prescribed(at->v, contact) && !contact_is_rim(&in)) {
-        const struct regime_change next = separating_change(at, &in, contact, horizon);
+        const struct regime_change next = separating_change(at, &in, &path, contact, horizon);
         if (fmin(next.after, horizon) < end) {
             return (struct prediction){next, horizon, 0};
         }
@@ -441,35 +400,38 @@ struct prediction prediction_of(const struct scene_instant *at, int contact, dou
     const enum contact_regime present = (enum contact_regime)q->contact[contact].regime;
     const struct contact_shape shape = scene_contact_shape(q, contact);
     const bool has_ends = scene_ends_suddenly(at->v, contact);
+    const bool pushes = contact_pushes(q, contact);
+    const bool advances = SCENE_ANY_ADVANCEMENT && contact_advances(at->v, contact);
     struct prediction found = {no_change(present, true), horizon, 0};
-    if (contact_is_coupled(q, contact) || (contact_pushes(q, contact) && (scene_turns(at->v) || !has_ends))) {
+    if (contact_is_coupled(q, contact) || (pushes && (scene_turns(at->v) || !has_ends))) {
         return found;
     }
-    if (SCENE_ANY_ADVANCEMENT && contact_advances(at->v, contact)) {
-        return advancement_prediction(at, contact, horizon, budget);
-    }
-    if (SCENE_ANY_CAPS && contact_is_capped(&shape)) {
+    if (SCENE_ANY_CAPS && contact_is_capped(&shape) && !advances) {
         return change_at_capped(at, contact, horizon, budget);
     }
-    if (contact_pushes(q, contact)) {
-        const struct separation_path separation = separation_path_of(at, q->clock, contact);
-        const double settle = q->contact[contact].schedule.dead_band_clock - q->clock;
-        found.next = passage_of_end(&shape, &separation, rounding_of_axial(at, contact, &shape), settle,
-                                    horizon, present);
+    const double rounding = has_ends ? rounding_of_axial(at, contact, &shape) : 0.0;
+    const bool within = !has_ends || scene_beyond_ends(&shape, &at->geometry[contact]) < -rounding;
+    if (advances || contact_is_prescribed(at->v, contact) || (present == REGIME_APART && !within)) {
+        return advancement_prediction(at, contact, horizon, budget);
+    }
+    const struct separation_path path = separation_path_of(at, q->clock, contact);
+    double until = horizon;
+    double settle = 0.0;
+    if (present == REGIME_APART) {
+        found.next = touch_in_flight(at, &shape, &path, contact, horizon);
+        until = found.next.after;
+    } else if (pushes) {
+        settle = q->contact[contact].schedule.dead_band_clock - q->clock;
+    } else {
+        found.next = separating_change(at, &shape, &path, contact, horizon);
+    }
+    if (!has_ends || !isfinite(until)) {
         return found;
     }
-    const double rounding = has_ends ? rounding_of_axial(at, contact, &shape) : 0.0;
-    if (present == REGIME_APART && !contact_is_prescribed(at->v, contact) &&
-        (!has_ends || scene_beyond_ends(&shape, &at->geometry[contact]) < -rounding)) {
-        found.next = touch_in_flight(at, &shape, contact, horizon);
-        if (!has_ends || !isfinite(found.next.after)) {
-            return found;
-        }
-        /* the touch is on the side if no end is passed before */
-        const struct separation_path path = separation_path_of(at, q->clock, contact);
-        if (!isfinite(passage_of_end(&shape, &path, rounding, 0.0, found.next.after, present).after)) {
-            return found;
-        }
+    const struct regime_change end = passage_of_end(&shape, &path, rounding, settle, until, present);
+    if (present == REGIME_APART) { /* the touch is on the side if no end is passed before */
+        return isfinite(end.after) ? advancement_prediction(at, contact, horizon, budget) : found;
     }
-    return change_on_path(at, &shape, contact, horizon, budget);
+    found.next = end.after < found.next.after ? end : found.next;
+    return found;
 }

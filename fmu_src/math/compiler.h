@@ -21,32 +21,14 @@
 #define CONTACT_NOINLINE
 #endif
 
-/* A function of the standard: it stays where gcc makes all others of the unit static (-fwhole-program). */
+/* CONTACT_EXPORTED marks a function of the standard, which stays where gcc makes all others of the unit
+ * static (-fwhole-program). CONTACT_NOT_FUSED marks sums of products with both signs side by side: gcc 12
+ * makes fused operations of them for processors that have these, though -ffp-contract=off forbids it. */
 #if CONTACT_GNU_C && !defined __clang__
 #define CONTACT_EXPORTED __attribute__((externally_visible))
-#else
-#define CONTACT_EXPORTED
-#endif
-
-/* The function is seldom called, so the compiler optimizes it for size. */
-#if CONTACT_GNU_C
-#define CONTACT_COLD __attribute__((cold))
-#else
-#define CONTACT_COLD
-#endif
-
-/* Everything it calls becomes a part of it, where possible. clang of some versions knows no flatten. */
-#if CONTACT_GNU_C
-#define CONTACT_FLATTEN __attribute__((flatten))
-#else
-#define CONTACT_FLATTEN
-#endif
-
-/* For sums of products with both signs side by side: gcc 12 makes fused operations of them for processors
- * that have these, though -ffp-contract=off forbids it. */
-#if CONTACT_GNU_C && !defined __clang__
 #define CONTACT_NOT_FUSED __attribute__((optimize("no-tree-slp-vectorize", "no-tree-loop-vectorize")))
 #else
+#define CONTACT_EXPORTED
 #define CONTACT_NOT_FUSED
 #endif
 
@@ -60,12 +42,18 @@
 #define CONTACT_PRINTF_LIKE(text, first)
 #endif
 
-/* As many doubles as one vector instruction takes, LANES; each result has the bits of the scalar operation.
- * Where the compiler has no vector types, one. */
+/* CONTACT_COLD: the function is seldom called, so the compiler optimizes it for size. CONTACT_FLATTEN:
+ * everything the function calls becomes a part of it, where possible; clang of some versions knows no
+ * flatten. A double2 holds as many doubles as one vector instruction takes, LANES; each result has the bits
+ * of the scalar operation. */
 #if CONTACT_GNU_C
+#define CONTACT_COLD __attribute__((cold))
+#define CONTACT_FLATTEN __attribute__((flatten))
 typedef double double2 __attribute__((vector_size(16), aligned(8), may_alias));
 enum { LANES = 2 };
 #else
+#define CONTACT_COLD
+#define CONTACT_FLATTEN
 typedef double double2;
 enum { LANES = 1 };
 #endif
@@ -78,6 +66,28 @@ static inline double2 double2_at(const double *row, int i)
 static inline void double2_put(double *row, int i, double2 values)
 {
     *(double2 *)(row + i) = values;
+}
+
+/* Sets `to` to the sum of row[j] times row j of `from`; `width` is a multiple of four. */
+static inline void combine_rows(double *restrict to, const double *row, int count, const double *from,
+                                int stride, int width)
+{
+    for (int i = 0; i < width; i += 2 * LANES) {
+        double2 low = {0.0};
+        double2 high = {0.0};
+        for (int j = 0; j < count - 1; j += 2) { /* two at a time: half the loop's overhead */
+            const double *by = from + j * stride + i;
+            low = low + double2_at(by, 0) * row[j] + double2_at(by, stride) * row[j + 1];
+            high = high + double2_at(by, LANES) * row[j] + double2_at(by, stride + LANES) * row[j + 1];
+        }
+        if (count % 2 != 0) {
+            const double *by = from + (count - 1) * stride + i;
+            low += double2_at(by, 0) * row[count - 1];
+            high += double2_at(by, LANES) * row[count - 1];
+        }
+        double2_put(to, i, low);
+        double2_put(to, i + LANES, high);
+    }
 }
 
 /* The larger number; b where one of them is NaN. C11's fmax is a call. */
@@ -105,7 +115,6 @@ static inline double parts_together(const double2 sum[PARTS])
 }
 
 /* The ratio of a circle's circumference to its diameter, rounded to double; C11 itself names none. */
-
 static const double PI = 3.141592653589793;
 
 #endif

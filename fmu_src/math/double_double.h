@@ -50,9 +50,9 @@ static inline struct double_double double_double_add(struct double_double a, str
     return double_double_renormalized(first.high, first.low + low.low);
 }
 
-static inline struct double_double double_double_negative(struct double_double a)
+static inline struct double_double double_double_subtract(struct double_double a, struct double_double b)
 {
-    return (struct double_double){-a.high, -a.low};
+    return double_double_add(a, (struct double_double){-b.high, -b.low});
 }
 
 static inline struct double_double double_double_multiply(struct double_double a, struct double_double b)
@@ -61,31 +61,21 @@ static inline struct double_double double_double_multiply(struct double_double a
     return double_double_renormalized(product.high, product.low + (a.high * b.low + a.low * b.high));
 }
 
-static inline struct double_double double_double_times(struct double_double a, double b)
-{
-    const struct double_double product = double_double_product(a.high, b);
-    return double_double_renormalized(product.high, product.low + a.low * b);
-}
-
 /* Returns a divided by b; b must not be zero. */
 static inline struct double_double double_double_divide(struct double_double a, struct double_double b)
 {
-    const double first = a.high / b.high;
-    const struct double_double rest =
-        double_double_add(a, double_double_negative(double_double_times(b, first)));
-    return double_double_renormalized(first, (rest.high + rest.low) / b.high);
+    const struct double_double first = {a.high / b.high, 0.0};
+    const struct double_double rest = double_double_subtract(a, double_double_multiply(b, first));
+    return double_double_renormalized(first.high, (rest.high + rest.low) / b.high);
 }
 
 /* Returns the square root of a >= 0. */
 static inline struct double_double double_double_root(struct double_double a)
 {
-    if (!(a.high > 0.0)) {
-        return (struct double_double){0.0, 0.0};
-    }
     const double first = sqrt(a.high);
-    const struct double_double rest =
-        double_double_add(a, double_double_negative(double_double_product(first, first)));
-    return double_double_renormalized(first, (rest.high + rest.low) / (2.0 * first));
+    const struct double_double rest = double_double_subtract(a, double_double_product(first, first));
+    return first > 0.0 ? double_double_renormalized(first, (rest.high + rest.low) / (2.0 * first))
+                       : (struct double_double){0.0, 0.0};
 }
 
 #endif

@@ -7,17 +7,6 @@
  * that would cost more than it saves. */
 enum { MOST_RUNS = 8, DENSE = 40 };
 
-/* to -= by from, of the elements [first, end). Bodies that move along an axis leave many zeros. */
-static inline void subtract_column(double *to, const double *from, double by, int first, int end)
-{
-    if (by == 0.0) {
-        return;
-    }
-    for (int i = first; i < end; i += LANES) {
-        double2_put(to, i, double2_at(to, i) - double2_at(from, i) * by);
-    }
-}
-
 static inline void swap_elements(double *a, int i, int k)
 {
     const double kept = a[i];
@@ -103,13 +92,15 @@ CONTACT_FLATTEN bool lu_factor(struct lu_matrix m)
             break;
         }
         double *next = m.re + (k + 1) * m.stride;
-        subtract_column(next, next - m.stride, next[k], k + 1, n);
+        for (int i = k + 1; i < n && next[k] != 0.0; i += LANES) {
+            double2_put(next, i, double2_at(next, i) - double2_at(next - m.stride, i) * next[k]);
+        }
         if (!take_pivot(&m, k + 1)) {
             return false;
         }
         const double *one = m.re + k * m.stride;
         const double *two = one + m.stride;
-        struct runs runs;
+        struct runs runs; /* bodies that move along an axis leave many zeros */
         find_runs(one, two, k + 2, n, &runs);
         for (int j = k + 2; j < n; ++j) {
             double *to = m.re + j * m.stride;

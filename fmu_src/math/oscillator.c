@@ -4,32 +4,24 @@
 #include "math/oscillator.h"
 #include "math/vec3.h"
 
-static struct oscillator_basis underdamped(double decay_rate, double omega_d, double omega2, double z)
-{
-    const double shrink = exp(-decay_rate * z);
-    const double sine = shrink * sin(omega_d * z) / omega_d;
-    const double cosine = shrink * cos(omega_d * z);
-    return (struct oscillator_basis){cosine + decay_rate * sine, sine, -omega2 * sine,
-                                     cosine - decay_rate * sine};
-}
-
-/* Returns the basis for two real decay rates, whose difference may vanish. */
-static struct oscillator_basis overdamped(double decay_rate, double spread, double omega2, double z)
-{
-    const double fast = -(decay_rate + spread);
-    const double slow = -omega2 / (decay_rate + spread);
-    const double by_slow = exp(slow * z);
-    const double difference = 2.0 * spread;
-    const double sine = difference * z > 0.0 ? by_slow * -expm1(-difference * z) / difference : by_slow * z;
-    return (struct oscillator_basis){by_slow - slow * sine, sine, -omega2 * sine, by_slow + fast * sine};
-}
-
+/* Beyond critical damping y has two real decay rates, whose difference may vanish. */
 struct oscillator_basis oscillator_basis_at(const struct oscillator *o, double z)
 {
     const double decay_rate = 0.5 * o->damping_rate;
     const double omega_d2 = o->omega2 - decay_rate * decay_rate;
-    return omega_d2 > 0.0 ? underdamped(decay_rate, sqrt(omega_d2), o->omega2, z)
-                          : overdamped(decay_rate, sqrt(-omega_d2), o->omega2, z);
+    const double spread = sqrt(fabs(omega_d2));
+    const bool turns = omega_d2 > 0.0;
+    const double faster = turns ? decay_rate : decay_rate + spread;
+    const double slower = turns ? decay_rate : o->omega2 / faster;
+    const double shrink = exp(-slower * z);
+    const double angle = turns ? spread * z : 0.0;
+    const double cosine = shrink * cos(angle);
+    double sine = spread > 0.0 ? shrink * sin(angle) / spread : 0.0;
+    if (!turns) {
+        const double rate = 2.0 * spread;
+        sine = rate * z > 0.0 ? shrink * -expm1(-rate * z) / rate : shrink * z;
+    }
+    return (struct oscillator_basis){cosine + slower * sine, sine, -o->omega2 * sine, cosine - faster * sine};
 }
 
 struct oscillator_rates oscillator_rates_of(const struct oscillator *o)
@@ -84,24 +76,15 @@ struct oscillator_increment oscillator_increment(const struct oscillator *o, dou
     return begun;
 }
 
-void oscillator_particular(const struct oscillator *o, const double *load, double *s, int terms)
+void oscillator_particular(const struct oscillator *o, double inertia, const double *load, double *s,
+                           int terms)
 {
     const double inverse = 1.0 / o->omega2;
     double next = 0.0; /* s[k + 1] */
     double next_but_one = 0.0;
     for (int k = terms - 1; k >= 0; --k) {
-        s[k] = (load[k] - (k + 1) * (o->damping_rate * next + (k + 2) * next_but_one)) * inverse;
+        s[k] = (load[k] - (k + 1) * (o->damping_rate * next + inertia * (k + 2) * next_but_one)) * inverse;
         next_but_one = next;
-        next = s[k];
-    }
-}
-
-void relaxation_particular(double rate, const double *load, double *s, int terms)
-{
-    const double inverse = 1.0 / rate;
-    double next = 0.0;
-    for (int k = terms - 1; k >= 0; --k) {
-        s[k] = (load[k] - (k + 1) * next) * inverse;
         next = s[k];
     }
 }

@@ -52,11 +52,10 @@ struct oscillator_increment oscillator_increment(const struct oscillator *o, dou
 
 /* Coefficients of the particular solution s for a polynomial load of `terms` coefficients. The recurrence is
  * finite. The coefficients of s are of the load's size where the slower rate exceeds the degree, and grow as
- * k! / rate^k below. */
-void oscillator_particular(const struct oscillator *o, const double *load, double *s, int terms);
-
-/* Writes the coefficients of the particular solution s of x' + rate x = load. */
-void relaxation_particular(double rate, const double *load, double *s, int terms);
+ * k! / rate^k below. The factor of x'' is `inertia`, 1 or 0: without inertia x' + rate x = load is an
+ * oscillator with omega2 = rate and damping_rate = 1. */
+void oscillator_particular(const struct oscillator *o, double inertia, const double *load, double *s,
+                           int terms);
 
 /*
  * The free oscillation y'' + damping_rate y' + y = 0 for any damping. Beyond critical damping y decays:

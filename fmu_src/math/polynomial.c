@@ -46,28 +46,18 @@ static int roots_between(const struct polynomial *p, const double *extrema, int 
     return count;
 }
 
-int polynomial_sign_changes(const struct polynomial *p, double roots[POLYNOMIAL_MAX_DEGREE])
+/* Writes the changes of sign, which are between those of the derivative, and returns their number. */
+static int put_sign_changes(const struct polynomial *p, double roots[POLYNOMIAL_MAX_DEGREE])
 {
-    struct polynomial chain[POLYNOMIAL_MAX_DEGREE + 1];
-    chain[p->degree] = *p;
-    for (int i = p->degree; i > 1; --i) {
-        chain[i - 1] = polynomial_derivative(&chain[i]);
-    }
-    double extrema[POLYNOMIAL_MAX_DEGREE] = {0.0};
-    int count = 0;
-    for (int i = 1; i <= p->degree; ++i) {
-        for (int j = 0; j < count; ++j) {
-            extrema[j] = roots[j];
-        }
-        count = roots_between(&chain[i], extrema, count, roots);
-    }
-    return count;
+    double extrema[POLYNOMIAL_MAX_DEGREE];
+    const struct polynomial slope = polynomial_derivative(p);
+    return p->degree > 0 ? roots_between(p, extrema, put_sign_changes(&slope, extrema), roots) : 0;
 }
 
 int polynomial_add_sign_changes(const struct polynomial *p, double *sorted, int count)
 {
     double roots[POLYNOMIAL_MAX_DEGREE];
-    const int found = polynomial_sign_changes(p, roots);
+    const int found = put_sign_changes(p, roots);
     for (int i = 0; i < found; ++i) {
         int at = count + i;
         for (; at > 0 && sorted[at - 1] > roots[i]; --at) {

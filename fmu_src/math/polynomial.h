@@ -15,14 +15,11 @@ struct polynomial {
 struct polynomial polynomial_derivative(const struct polynomial *p);
 
 /*
- * Every s in (0, 1) where p changes sign, ascending; returns how many (at most the degree). Between the roots
- * of its derivative p is monotone and has one root at most, so none is missed. Roots where p touches zero
- * without a change of sign are not reported. Each root is exact to the rounding of p.
+ * Adds every s in (0, 1) where p changes sign (at most as many as the degree) to `count` ascending numbers,
+ * and keeps all ascending. Returns the new count. Between the roots of its derivative p is monotone and has
+ * one root at most, so none is missed. Roots where p touches zero without a change of sign are not reported.
+ * Each root is exact to the rounding of p.
  */
-int polynomial_sign_changes(const struct polynomial *p, double roots[POLYNOMIAL_MAX_DEGREE]);
-
-/* Adds the places of these changes of sign to `count` ascending numbers, and keeps all ascending. Returns
- * the new count. */
 int polynomial_add_sign_changes(const struct polynomial *p, double *sorted, int count);
 
 /* A sum of a[i] s^i, and a root_function of it (below). */

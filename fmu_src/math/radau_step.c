@@ -1,3 +1,4 @@
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -15,28 +16,12 @@ static inline int radau_padded(int count)
     return (count / RADAU_ROW_BLOCK + 1) * RADAU_ROW_BLOCK;
 }
 
-/* Sets `to` to the sum of row[j] times row j of `from`. */
-static inline void radau_combine(double *restrict to, const double *row, int count, const double *from,
-                                 int stride, int width)
-{
-    for (int i = 0; i < width; i += 2 * LANES) {
-        double2 low = {0.0};
-        double2 high = {0.0};
-        for (int j = 0; j < count; ++j) {
-            low += double2_at(from + j * stride, i) * row[j];
-            high += double2_at(from + j * stride, i + LANES) * row[j];
-        }
-        double2_put(to, i, low);
-        double2_put(to, i + LANES, high);
-    }
-}
-
-/* Sets row i of `to` to what radau_combine makes of row i of the table. */
+/* Sets row i of `to` to what combine_rows makes of row i of the table. */
 static inline void radau_combine_rows(double *restrict to, int to_stride, const double *table, int rows,
                                       int count, const double *from, int stride, int width)
 {
     for (int i = 0; i < rows; ++i) {
-        radau_combine(to + i * to_stride, table + i * count, count, from, stride, width);
+        combine_rows(to + i * to_stride, table + i * count, count, from, stride, width);
     }
 }
 
@@ -94,8 +79,8 @@ size_t radau_step_memory(const struct radau_problem *problem)
     const size_t n = (size_t)radau_padded(problem->size);
     const size_t s = RADAU_MOST_STAGES;
     const size_t all = (size_t)radau_padded(radau_room(problem));
-    const size_t doubles = (8 * s + 1) * n + 2 * n * n + 7 * n + (all + 1) * all;
-    const size_t ints = 3 * n + all;
+    const size_t doubles = (8 * s + 1) * n + 5 * n + (all + 1) * all;
+    const size_t ints = 2 * n + all;
     return doubles * sizeof(double) + ints * sizeof(int);
 }
 
@@ -121,13 +106,6 @@ static void list_others(struct radau_step *p)
             p->other[p->others++] = i;
         }
     }
-    int group = 0;
-    for (int j = 0; j < p->others; ++j) {
-        while (problem->groups > 0 && p->other[j] >= problem->group_end[group]) {
-            ++group;
-        }
-        p->group_of[j] = group;
-    }
     p->width = radau_padded(p->others);
 }
 
@@ -136,49 +114,31 @@ void radau_step_place(struct radau_step *p, const struct radau_problem *problem,
     const int n = radau_padded(problem->size);
     const int s = RADAU_MOST_STAGES;
     double *next = memory;
-    *p = (struct radau_step){.problem = *problem, .stride = n, .end_clock = (double)NAN};
-    p->change = take(&next, s * n);
-    p->rates = take(&next, s * n);
-    p->others_change = take(&next, s * n);
-    p->places_change = take(&next, s * n);
-    p->bare = take(&next, s * n);
-    p->scratch = take(&next, s * n);
-    p->more = take(&next, s * n);
+    *p = (struct radau_step){.problem = *problem, .stride = n};
+    double **const of_stages[] = {&p->change, &p->rates,   &p->others_change, &p->places_change,
+                                  &p->bare,   &p->scratch, &p->more};
+    double **const of_states[] = {&p->y, &p->start_rates, &p->weight, &p->point, &p->re};
+    for (size_t i = 0; i < sizeof of_stages / sizeof *of_stages; ++i) {
+        *of_stages[i] = take(&next, s * n);
+    }
+    for (size_t i = 0; i < sizeof of_states / sizeof *of_states; ++i) {
+        *of_states[i] = take(&next, n);
+    }
     p->chebyshev = take(&next, (s + 1) * n);
-    p->slopes = take(&next, n * n);
-    p->end_slopes = take(&next, n * n);
-    p->y = take(&next, n);
-    p->start_rates = take(&next, n);
-    p->weight = take(&next, n);
-    p->point = take(&next, n);
-    p->end_y = take(&next, n);
-    p->re = take(&next, n);
     const int all = radau_padded(radau_room(problem));
     p->side = take(&next, all);
     p->all = (struct lu_matrix){.stride = all, .re = take(&next, all * all)};
     int *whole = (int *)(void *)next;
     p->other = whole;
     p->among = whole + n;
-    p->group_of = whole + 2 * n;
-    p->all.pivot = p->group_of + n;
+    p->all.pivot = whole + 2 * n;
     list_others(p);
 }
 
-/* A step usually begins with the states for which the step before has found its error. */
 void radau_step_begin(struct radau_step *p, double clock, const double *y)
 {
-    const struct radau_problem *problem = &p->problem;
-    const size_t coupled = (size_t)problem->coupled;
     p->start = clock;
-    memcpy(p->y, y, (size_t)problem->size * sizeof *y);
-    problem->rates(problem->context, clock, y, p->start_rates);
-    p->evaluations += 1;
-    if (p->end_clock == clock && memcmp(p->end_y, y, coupled * sizeof *y) == 0) {
-        memcpy(p->slopes, p->end_slopes, coupled * coupled * sizeof *y);
-    } else {
-        problem->slopes(problem->context, problem->coupled, clock, p->y, p->slopes);
-        p->evaluations += 1;
-    }
+    memcpy(p->y, y, (size_t)p->problem.size * sizeof *y);
 }
 
 static struct quaternion reciprocal_of(struct quaternion q)
@@ -205,6 +165,40 @@ CONTACT_NOT_FUSED static void put_turning_matrix(const struct radau_step *p, int
             matrix[i][s] = quaternion_axpy(matrix[i][s], weight, rate);
         }
     }
+}
+
+/* The part of a rate across the fastest rate, divided by the fastest rate, is rounding below this number. */
+static const double ONE_AXIS = 4.0 * DBL_EPSILON;
+
+/* Sets the changes at the stages of a quaternion q' = r q if all r turn it about one axis: the angles of the
+ * turns then sum up. Returns false if they do not. */
+static bool turn_about_one_axis(struct radau_step *p, int first)
+{
+    const int s = p->stages->stages;
+    const struct quaternion start = quaternion_from(p->y + first);
+    const struct quaternion inverse = reciprocal_of(start);
+    struct vec3 turning[RADAU_MOST_STAGES];
+    struct vec3 fastest = {0.0, 0.0, 0.0};
+    for (int j = 0; j < s; ++j) {
+        const struct quaternion rate = quaternion_from(p->rates + j * p->stride + first);
+        turning[j] = quaternion_vector(quaternion_product(rate, inverse));
+        fastest = vec3_max_abs(turning[j]) > vec3_max_abs(fastest) ? turning[j] : fastest;
+    }
+    for (int j = 0; j < s; ++j) {
+        const struct vec3 across = vec3_cross(turning[j], fastest);
+        if (!(vec3_norm(across) <= ONE_AXIS * vec3_dot(fastest, fastest))) {
+            return false;
+        }
+    }
+    for (int i = 0; i < s; ++i) {
+        struct vec3 turned = {0.0, 0.0, 0.0};
+        for (int j = 0; j < s; ++j) {
+            turned = vec3_axpy(turned, 2.0 * p->length * p->stages->integral[i * s + j], turning[j]);
+        }
+        const struct quaternion now = quaternion_product(quaternion_of_rotation(turned), start);
+        quaternion_to(quaternion_axpy(now, -1.0, start), p->change + i * p->stride + first);
+    }
+    return true;
 }
 
 /* Sets the changes at the stages of a quaternion q' = r q, whose rates are given for its value at the start.
@@ -255,7 +249,9 @@ void radau_step_finish(struct radau_step *p)
         }
     }
     for (int j = problem->coupled; j < problem->integrals; j += 4) {
-        turn_quaternion(p, j);
+        if (!turn_about_one_axis(p, j)) {
+            turn_quaternion(p, j);
+        }
     }
     p->known_start = p->start;
     p->known_length = p->length;
@@ -281,7 +277,7 @@ void radau_step_at(const struct radau_step *p, double part, double *y)
     double of[RADAU_MOST_STAGES + 1] = {1.0};
     const int count = p->stages->stages + 1;
     radau_polynomials_at(count, radau_place(p->stages, part), of);
-    radau_combine(p->re, of, count, p->chebyshev, p->stride, p->stride);
+    combine_rows(p->re, of, count, p->chebyshev, p->stride, p->stride);
     for (int j = 0; j < p->problem.size; ++j) {
         y[j] = p->y[j] + p->re[j];
     }
@@ -315,10 +311,12 @@ struct radau_error radau_step_error(const struct radau_step *p)
 
 static void guess_steady(struct radau_step *p)
 {
-    memset(p->others_change, 0, (size_t)(p->stages->stages * p->width) * sizeof(double));
+    p->problem.rates(p->problem.context, p->start, p->y, p->start_rates);
+    p->evaluations += 1;
     for (int i = 0; i < p->stages->stages; ++i) {
-        for (int j = 0; j < p->others; ++j) {
-            p->others_change[i * p->width + j] = p->length * p->stages->node[i] * p->start_rates[p->other[j]];
+        const double passed = p->length * p->stages->node[i];
+        for (int j = 0; j < p->width; ++j) {
+            p->others_change[i * p->width + j] = j < p->others ? passed * p->start_rates[p->other[j]] : 0.0;
         }
     }
 }
@@ -363,10 +361,10 @@ static void guess_on(struct radau_step *p)
         for (int k = 0; k < count; ++k) {
             of[k] -= here[k];
         }
-        radau_combine(p->point, of, count, p->chebyshev, p->stride, p->stride);
-        memcpy(p->change + i * p->stride, p->point, (size_t)p->stride * sizeof *p->point);
+        double *change = p->change + i * p->stride;
+        combine_rows(change, of, count, p->chebyshev, p->stride, p->stride);
         for (int j = 0; j < p->width; ++j) {
-            p->others_change[i * p->width + j] = j < p->others ? p->point[p->other[j]] : 0.0;
+            p->others_change[i * p->width + j] = j < p->others ? change[p->other[j]] : 0.0;
         }
     }
 }
@@ -390,17 +388,7 @@ static void radau_move_places(struct radau_step *p)
     radau_combine_rows(p->places_change, width, stages->integral, s, s, speeds, width, width);
 }
 
-void radau_step_integrals(const struct radau_step *p, const double *rates, double *integrals)
-{
-    const int s = p->stages->stages;
-    const int width = p->width;
-    radau_combine_rows(integrals, width, p->stages->integral, s, s, rates, width, width);
-    for (int k = 0; k < s * width; k += LANES) {
-        double2_put(integrals, k, double2_at(integrals, k) * p->length);
-    }
-}
-
-void radau_step_pending(const struct radau_step *p, int first, int count, const double *rates,
+void radau_step_pending(const struct radau_step *p, int first, int count, const double *rates, double done,
                         double *pending)
 {
     const int s = p->stages->stages;
@@ -410,7 +398,8 @@ void radau_step_pending(const struct radau_step *p, int first, int count, const 
     radau_combine_rows(pending + from, width, p->stages->integral, s, s, rates + from, width, end - from);
     for (int i = 0; i < s; ++i) {
         for (int k = i * width + from; k < i * width + end; k += LANES) {
-            double2_put(pending, k, double2_at(pending, k) * p->length - double2_at(p->others_change, k));
+            double2_put(pending, k,
+                        double2_at(pending, k) * p->length - double2_at(p->others_change, k) * done);
         }
     }
 }
@@ -419,7 +408,7 @@ double radau_step_integrate(struct radau_step *p, const double *rates)
 {
     const int width = p->width;
     double largest = 0.0;
-    radau_step_pending(p, 0, p->others, rates, p->scratch);
+    radau_step_pending(p, 0, p->others, rates, 1.0, p->scratch);
     for (int i = 0; i < p->stages->stages; ++i) {
         const double *pending = p->scratch + i * width;
         double *change = p->others_change + i * width;
@@ -470,12 +459,4 @@ void radau_step_stage(const struct radau_step *p, int stage, double *y)
     for (int j = 0; j < problem->paired; ++j) {
         y[problem->place[j]] = p->y[problem->place[j]] + places[j];
     }
-}
-
-void radau_step_end_slopes(struct radau_step *p)
-{
-    radau_step_at(p, 1.0, p->end_y);
-    p->end_clock = p->start + p->length;
-    p->problem.slopes(p->problem.context, p->problem.coupled, p->end_clock, p->end_y, p->end_slopes);
-    p->evaluations += 1;
 }

@@ -23,15 +23,11 @@
 struct radau_problem {
     const void *context;
     int size, coupled, integrals;
-    bool turns;           /* whether bodies turn, which the caller asks */
-    int unknowns;         /* the most unknowns at a stage of the caller's iterations */
-    int groups;           /* of coupled states: no rate depends on states of another group; 0: one group */
-    const int *group_end; /* [groups]: ascending ends of the groups */
-    int paired;           /* number of states y[place[i]] whose rate is y[speed[i]]; both are coupled */
+    bool turns;   /* whether bodies turn, which the caller asks */
+    int unknowns; /* the most unknowns at a stage of the caller's iterations */
+    int paired;   /* number of states y[place[i]] whose rate is y[speed[i]]; both are coupled */
     const int *place, *speed;
     void (*rates)(const void *context, double clock, const double *y, double *rates);
-    /* Sets slopes[j * coupled + i] to d(rate i)/d(state j) of the coupled states. */
-    void (*slopes)(const void *context, int coupled, double clock, const double *y, double *slopes);
 };
 
 /* The matrix of the caller's iterations, `all`, has room for all unknowns at twelve stages, or for this
@@ -44,32 +40,24 @@ struct radau_step {
     double start, length;              /* clock at the start, and length of the last solution [s] */
     int evaluations;                   /* number since the caller set it to zero */
     int iterations;                    /* number in the last solution, counted by the caller */
-    double *y, *start_rates;           /* states and rates at the start [size] */
-    double *change, *rates;            /* [stages][stride]: the states less y, and their rates */
-    double *chebyshev; /* [stages + 1][stride]: coefficients of change, -1 at the start, 1 at the end */
+    /* [size]: states at the start; rates there, which radau_step_guess_on sets if no polynomial goes on */
+    double *y, *start_rates;
+    double *change, *rates; /* [stages][stride]: the states less y, and their rates */
+    double *chebyshev;      /* [stages + 1][stride]: coefficients of change, -1 at the start, 1 at the end */
     double known_start, known_length; /* start and length of `chebyshev`; length 0: there is none */
     const struct radau_stages *known; /* its method */
     double *weight;                   /* [size]: 1 / error allowed, set by the caller */
-    double *slopes, *end_slopes;      /* at the start and at the end of the step: [coupled][coupled] */
     double *others_change;            /* [stages][width] */
     double *bare, *scratch, *more;    /* [stages][width], for the caller */
     double *places_change;            /* [stages][paired, padded] */
-    double end_clock, *end_y; /* where end_slopes were evaluated; a clock of NaN: they are not known */
-    struct lu_matrix all;     /* for the caller, as `side`: [radau_room] rows */
+    struct lu_matrix all;             /* for the caller, as `side`: [radau_room] rows */
     double *side;
     double *point, *re; /* [size] each */
     int stride, width;  /* padded lengths of rows of all states, and of the others */
     int others;         /* number of coupled states that are no places */
     int *other;         /* [others]: their indices */
     int *among;         /* [coupled]: index of a state among the others; -1: a place */
-    int *group_of;      /* [others]: the group of each */
 };
-
-/* Returns the slope at the start of the rate of one coupled state by another, both by their indices in y. */
-static inline double radau_slope_of(const struct radau_step *p, int rate, int by)
-{
-    return p->slopes[by * p->problem.coupled + rate];
-}
 
 /* The first returns the number of rows of the matrix `all`, the second the bytes of memory for a problem; the
  * third sets up a step in such memory. */
@@ -77,21 +65,20 @@ int radau_room(const struct radau_problem *problem);
 size_t radau_step_memory(const struct radau_problem *problem);
 void radau_step_place(struct radau_step *p, const struct radau_problem *problem, void *memory);
 
-/* Begins a step at the state y and evaluates the rates and their slopes at y. */
+/* Begins a step at the state y. */
 void radau_step_begin(struct radau_step *p, double clock, const double *y);
 
 /* Starts iterations from the last polynomial if it begins or ends at the start, else from the rates there. */
 void radau_step_guess_on(struct radau_step *p, const struct radau_stages *stages, double length);
 
-/* radau_step_integrals writes the integrals of rates of the others from the start to each stage;
- * radau_step_pending writes these less the changes of the others, for at least `count` of the others from
- * `first` on. All arrays are [stage][p->width].
+/* radau_step_pending writes the integrals of rates of the others from the start to each stage less `done`,
+ * 1 or 0, times the changes of the others, for at least `count` of the others from `first` on. All arrays are
+ * [stage][p->width].
  * radau_step_integrate sets the changes of the coupled states to the integrals, and returns the largest
  * weighted difference from the changes before. After radau_step_guess_on from a polynomial,
  * radau_step_guess_rates gives the rates of `count` states from `first` on, along the guess, at
  * [stage * count + state]. */
-void radau_step_integrals(const struct radau_step *p, const double *rates, double *integrals);
-void radau_step_pending(const struct radau_step *p, int first, int count, const double *rates,
+void radau_step_pending(const struct radau_step *p, int first, int count, const double *rates, double done,
                         double *pending);
 double radau_step_integrate(struct radau_step *p, const double *rates);
 void radau_step_guess_rates(const struct radau_step *p, int first, int count, double *rates);
@@ -102,9 +89,6 @@ bool radau_step_goes_on(const struct radau_step *p);
 
 /* Writes the coupled states at a stage by the last iteration, and leaves the other entries of y alone. */
 void radau_step_stage(const struct radau_step *p, int stage, double *y);
-
-/* Evaluates end_slopes. radau_step_finish must have been called. */
-void radau_step_end_slopes(struct radau_step *p);
 
 /* Takes over a step as the last solution: its Chebyshev coefficients [stages + 1][size] in rows of `stride`
  * numbers. */

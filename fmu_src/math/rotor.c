@@ -36,8 +36,8 @@ static struct double_double without_turns(struct double_double angle)
 static struct sine_cosine sine_cosine_after(const struct rotor *rotor, struct double_double rate,
                                             double factor, double time)
 {
-    const double scaled = factor * (time / rotor->unit);
-    const struct double_double angle = without_turns(double_double_times(rate, scaled));
+    const struct double_double scaled = {factor * (time / rotor->unit), 0.0};
+    const struct double_double angle = without_turns(double_double_multiply(rate, scaled));
     const double sine = sin(angle.high);
     const double cosine = cos(angle.high);
     return (struct sine_cosine){sine + angle.low * cosine, cosine - angle.low * sine};
@@ -55,7 +55,7 @@ static void third_axis(struct quaternion q, struct double_double axis[3])
     const struct double_double squared = double_double_add(along, across);
     axis[0] = add_times(double_double_product(2.0 * q.x, q.z), 2.0 * q.w, q.y);
     axis[1] = add_times(double_double_product(2.0 * q.y, q.z), -2.0 * q.w, q.x);
-    axis[2] = double_double_add(along, double_double_negative(across));
+    axis[2] = double_double_subtract(along, across);
     for (int i = 0; i < 3; ++i) {
         axis[i] = double_double_divide(axis[i], squared);
     }
@@ -81,27 +81,25 @@ struct rotor rotor_from(struct body_turn start, double transverse_inertia, doubl
 
     const double inertia = power_of_two_near(transverse_inertia);
     const double transverse = transverse_inertia / inertia;
-    const struct double_double excess = double_double_sum(axial_inertia / inertia, -transverse);
+    const struct double_double excess = double_double_sum(transverse, -axial_inertia / inertia);
     const struct double_double ratio = double_double_divide(excess, (struct double_double){transverse, 0.0});
+    struct double_double omega[3], precession[3];
     struct double_double along = {0.0, 0.0}; /* omega_3 */
     for (int i = 0; i < 3; ++i) {
-        along = double_double_add(along,
-                                  double_double_times(axis[i], vec3_get(start.angular_velocity, i) / size));
+        omega[i] = (struct double_double){vec3_get(start.angular_velocity, i) / size, 0.0};
+        along = double_double_add(along, double_double_multiply(axis[i], omega[i]));
     }
-    const struct double_double spin = double_double_negative(double_double_multiply(ratio, along));
-    struct double_double precession[3];
+    const struct double_double spin = double_double_multiply(ratio, along);
     struct double_double squared = {0.0, 0.0};
     for (int i = 0; i < 3; ++i) {
-        const struct double_double omega = {vec3_get(start.angular_velocity, i) / size, 0.0};
-        precession[i] =
-            double_double_add(omega, double_double_negative(double_double_multiply(spin, axis[i])));
+        precession[i] = double_double_subtract(omega[i], double_double_multiply(spin, axis[i]));
         squared = double_double_add(squared, double_double_multiply(precession[i], precession[i]));
     }
     rotor.spin = spin;
     rotor.precession = double_double_root(squared);
     if (rotor.precession.high > 0.0) {
         for (int i = 0; i < 3; ++i) {
-            vec3_set(&rotor.direction, i, double_double_divide(precession[i], rotor.precession).high);
+            *vec3_part(&rotor.direction, i) = double_double_divide(precession[i], rotor.precession).high;
         }
     }
     return rotor;

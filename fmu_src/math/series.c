@@ -38,18 +38,6 @@ double taylor_product(const double *a, const struct two_way *b, int order)
     return parts_together(sum);
 }
 
-double taylor_root(const double *s, const double *r, int order)
-{
-    if (order == 0) {
-        return sqrt(s[0]);
-    }
-    double sum = s[order];
-    for (int i = 1; i < order; ++i) {
-        sum -= r[i] * r[order - i];
-    }
-    return sum / (2.0 * r[0]);
-}
-
 /* a p' = exponent a' p, order by order. */
 double taylor_power(const double *a, double exponent, const double *p, int order)
 {

@@ -27,13 +27,11 @@ double taylor_product(const double *a, const struct two_way *b, int order);
 /* Coefficient of a b */
 double taylor_multiply(const double *a, const double *b, int order);
 
-/* Coefficient of the root r of s > 0, r r = s; coefficients below `order` of r are known. */
-double taylor_root(const double *s, const double *r, int order);
-
 /* Coefficient of the power p = a^exponent, a[0] > 0; coefficients below `order` of p are known. */
 double taylor_power(const double *a, double exponent, const double *p, int order);
 
-/* Coefficient of the quotient q = a / b, b[0] != 0. */
+/* Coefficient of the quotient q = a / b, b[0] != 0. The root r of a is a / r: with b = q = r and r[order]
+ * zero, half of the result is the coefficient `order` of r. */
 double taylor_divide(const double *a, const double *b, const double *q, int order);
 
 /* Returns the sum of the series at s. */

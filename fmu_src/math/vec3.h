@@ -5,6 +5,8 @@
 #include <math.h>
 #include <stdbool.h>
 
+#include "math/compiler.h"
+
 struct vec3 {
     double x, y, z;
 };
@@ -81,18 +83,9 @@ static inline double *vec3_part(struct vec3 *a, int index)
     return index == 0 ? &a->x : index == 1 ? &a->y : &a->z;
 }
 
-static inline void vec3_set(struct vec3 *a, int index, double value)
-{
-    *vec3_part(a, index) = value;
-}
-
 static inline double vec3_max_abs(struct vec3 a)
 {
-    const double x = fabs(a.x);
-    const double y = fabs(a.y);
-    const double z = fabs(a.z);
-    const double yz = y > z ? y : z;
-    return x > yz ? x : yz;
+    return larger(fabs(a.x), larger(fabs(a.y), fabs(a.z)));
 }
 
 /* Length, scaled by the largest component where 1e150 would overflow or 1e-170 underflow when squared. */
@@ -183,6 +176,15 @@ static inline double jet_dot(const struct vec3 *a, const struct vec3 *b, int ord
     double sum = 0.0;
     for (int i = 0; i <= order; ++i) {
         sum += vec3_dot(a[i], b[order - i]);
+    }
+    return sum;
+}
+
+static inline struct vec3 jet_cross(const struct vec3 *a, const struct vec3 *b, int order)
+{
+    struct vec3 sum = {0.0, 0.0, 0.0};
+    for (int i = 0; i <= order; ++i) {
+        sum = vec3_add(sum, vec3_cross(a[i], b[order - i]));
     }
     return sum;
 }

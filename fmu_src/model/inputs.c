@@ -1,3 +1,4 @@
+#include <float.h>
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
@@ -17,18 +18,14 @@
 /* Sets the coefficients 0..2 of a path by signals of its components that were set at this communication
  * point. A new value or derivative ends the derivatives of higher order that are not set with it. Lower
  * orders keep their present values. */
-static void put_signals(struct vec3 *path, struct vec3 value, const struct input_signal *signals,
-                        const uint8_t *marks)
+static void put_signals(struct vec3 *path, struct vec3 value, const double signals[][2], const uint8_t *marks)
 {
     for (int k = 0; k < 3; ++k) {
-        if (marks[k] & SIGNAL_VALUE) {
-            vec3_set(&path[0], k, vec3_get(value, k));
-        }
-        if (marks[k] & (SIGNAL_VALUE | SIGNAL_RATE)) {
-            vec3_set(&path[1], k, marks[k] & SIGNAL_RATE ? signals[k].rate : 0.0);
-        }
-        if (marks[k] & (SIGNAL_VALUE | SIGNAL_RATE | SIGNAL_CURVATURE)) {
-            vec3_set(&path[2], k, marks[k] & SIGNAL_CURVATURE ? 0.5 * signals[k].curvature : 0.0);
+        const double set[] = {vec3_get(value, k), signals[k][0], 0.5 * signals[k][1]};
+        for (int i = 0; i < 3; ++i) {
+            if (marks[k] & ((2 << i) - 1)) { /* this order or a lower one */
+                *vec3_part(&path[i], k) = marks[k] & (1 << i) ? set[i] : 0.0;
+            }
         }
     }
 }
@@ -38,11 +35,11 @@ static void put_signals(struct vec3 *path, struct vec3 value, const struct input
 static void extend_displacement(struct body_path *path, const uint8_t *marks, bool follows_velocity)
 {
     for (int k = 0; k < 3; ++k) {
-        if (marks[k] & (SIGNAL_VALUE | SIGNAL_RATE | SIGNAL_CURVATURE)) {
-            vec3_set(&path->displacement[3], k, 0.0);
+        if (marks[k] & SIGNAL_SET) {
+            *vec3_part(&path->displacement[3], k) = 0.0;
         }
         for (int i = 0; i < 3 && follows_velocity && !(marks[k] & SIGNAL_EXPLICIT); ++i) {
-            vec3_set(&path->displacement[i + 1], k, vec3_get(path->velocity[i], k) / (i + 1));
+            *vec3_part(&path->displacement[i + 1], k) = vec3_get(path->velocity[i], k) / (i + 1);
         }
     }
 }
@@ -78,8 +75,7 @@ static const struct input_kind {
     {.row = ROW_body_prescribed_orientation}};
 
 enum {
-    INPUT_KINDS = sizeof input_kinds / sizeof input_kinds[0],
-    VECTOR_INPUTS = SCENE_ANY_ROTATION ? INPUT_KINDS - 1 : 3,
+    VECTOR_INPUTS = SCENE_ANY_ROTATION ? sizeof input_kinds / sizeof input_kinds[0] - 1 : 3,
     AXIS_SIGNAL = 12,       /* the first signal of the prescribed axis */
     ORIENTATION_SIGNAL = 18 /* the first of the prescribed orientation */
 };
@@ -156,71 +152,46 @@ static void input_path_shift(const struct model *m, int body, struct body_path *
     }
 }
 
-/* Returns the p_nv [N s/m] that gives the coefficient of restitution with the spring p_n; 0 where neither
- * body is free, because such bodies cannot rebound. */
+/* Returns the damping factor that gives the coefficient of restitution. That of the linear law belongs to a
+ * spring p_n; it is 0 where neither body is free, because such bodies cannot rebound. */
 static double damping_by_restitution(const struct scene_values *v, int contact, double p_n)
 {
+    const double restitution = contact_restitution(v, contact);
+    const enum dashpot dashpot = (enum dashpot)contact_dashpot(v, contact);
     const double per_mass = scene_inverse_mass(v, contact);
-    const double ratio = per_mass > 0.0 ? restitution_damping_ratio(contact_restitution(v, contact),
-                                                                    (enum dashpot)contact_dashpot(v, contact))
-                                        : 0.0;
+    if (scene_is_hertz(v, contact)) {
+        return restitution_hunt_crossley(restitution, dashpot);
+    }
+    const double ratio = per_mass > 0.0 ? restitution_damping_ratio(restitution, dashpot) : 0.0;
     return ratio > 0.0 ? 2.0 * ratio * sqrt(p_n) / sqrt(per_mass) : 0.0;
-}
-
-/* Return whether a coefficient of restitution gives the damping, and whether the dashpot acts alone. */
-static bool is_by_restitution(const struct scene_values *v, int contact)
-{
-    return SCENE_ANY_RESTITUTION && contact_viscous_control(v, contact) == VISCOUS_CONTROL_RESTITUTION;
-}
-
-static bool is_viscous_only(const struct scene_values *v, int contact)
-{
-    return contact_penalty_control(v, contact) == PENALTY_CONTROL_VISCOUS_ONLY;
-}
-
-/* Returns k_h and chi; one k_h serves all zones of a shape. */
-static struct contact_coefficients hertz_factors(const struct scene_state *q, int contact, double diagonal)
-{
-    const struct scene_values *v = q->v;
-    const struct contact_shape shape = scene_whole_shape(q, contact);
-    struct contact_coefficients at = {contact_hertz_stiffness(v, contact),
-                                      contact_hunt_crossley_factor(v, contact)};
-    if (contact_penalty_control(v, contact) == PENALTY_CONTROL_AUTOMATIC) {
-        at.k = hertz_stiffness(&shape, scene_hertz_modulus(v, contact));
-    }
-    if (is_by_restitution(v, contact)) {
-        at.c = restitution_hunt_crossley(contact_restitution(v, contact),
-                                         (enum dashpot)contact_dashpot(v, contact));
-    } else if (contact_viscous_control(v, contact) == VISCOUS_CONTROL_AUTOMATIC) {
-        at.c = contact_characteristic_time(v, contact) / diagonal;
-    }
-    return at;
-}
-
-/* Returns p_n and p_nv. */
-static struct contact_coefficients linear_factors(const struct scene_values *v, int contact, double diagonal)
-{
-    const double scale = contact_reference_modulus(v, contact) * diagonal;
-    struct contact_coefficients at = {contact_penalty_factor(v, contact),
-                                      contact_viscous_penalty_factor(v, contact)};
-    if (contact_penalty_control(v, contact) == PENALTY_CONTROL_AUTOMATIC) {
-        at.k = contact_penalty_multiplier(v, contact) * scale;
-    }
-    if (is_by_restitution(v, contact)) {
-        at.c = damping_by_restitution(v, contact, at.k);
-    } else if (contact_viscous_control(v, contact) == VISCOUS_CONTROL_AUTOMATIC) {
-        at.c = contact_characteristic_time(v, contact) * (is_viscous_only(v, contact) ? scale : at.k);
-    }
-    return (struct contact_coefficients){is_viscous_only(v, contact) ? 0.0 : at.k, at.c};
 }
 
 struct contact_coefficients model_factors(const struct scene_state *q, int contact, double diagonal)
 {
-    struct contact_coefficients at = scene_is_hertz(q->v, contact) ? hertz_factors(q, contact, diagonal)
-                                                                   : linear_factors(q->v, contact, diagonal);
-    if (contact_method(q->v, contact) == METHOD_PENALTY) {
-        at.c = 0.0;
+    const struct scene_values *v = q->v;
+    const bool is_hertz = scene_is_hertz(v, contact);
+    const double time = contact_characteristic_time(v, contact);
+    const double scale = contact_reference_modulus(v, contact) * diagonal;
+    const bool is_automatic = contact_penalty_control(v, contact) == PENALTY_CONTROL_AUTOMATIC;
+    const bool only_damps = contact_penalty_control(v, contact) == PENALTY_CONTROL_VISCOUS_ONLY && !is_hertz;
+    struct contact_coefficients at = {contact_penalty_factor(v, contact),
+                                      contact_viscous_penalty_factor(v, contact)};
+    if (is_hertz) { /* one k_h serves all zones of a shape */
+        const struct contact_shape shape = scene_whole_shape(q, contact);
+        at.k = is_automatic ? hertz_stiffness(&shape, scene_hertz_modulus(v, contact))
+                            : contact_hertz_stiffness(v, contact);
+        at.c = contact_hunt_crossley_factor(v, contact);
+    } else if (is_automatic) {
+        at.k = contact_penalty_multiplier(v, contact) * scale;
     }
+    if (contact_method(v, contact) == METHOD_PENALTY) {
+        at.c = 0.0;
+    } else if (SCENE_ANY_RESTITUTION && contact_viscous_control(v, contact) == VISCOUS_CONTROL_RESTITUTION) {
+        at.c = damping_by_restitution(v, contact, at.k);
+    } else if (contact_viscous_control(v, contact) == VISCOUS_CONTROL_AUTOMATIC) {
+        at.c = is_hertz ? time / diagonal : time * (only_damps ? scale : at.k);
+    }
+    at.k = only_damps ? 0.0 : at.k;
     return at;
 }
 
@@ -273,6 +244,18 @@ static double size_of_forces(const struct scene_state *q)
     return sum;
 }
 
+/* Gives a contact new factors of its law. Errors of the gap and its rate make the error bound of the force
+ * [N], and the factors multiply them. */
+static void take_factors(struct contact_state *state, struct contact_coefficients next)
+{
+    const struct contact_coefficients *now = &state->parameters.factors;
+    const double by_gap = now->k > 0.0 ? next.k / now->k : 1.0;
+    const double by_rate = now->c > 0.0 ? next.c / now->c : 1.0;
+    double *error = &state->physics.force_error;
+    *error = fmin(*error * fmax(1.0, fmax(by_gap, by_rate)), DBL_MAX);
+    state->parameters.factors = next;
+}
+
 /* Takes over the parameters of `v` that differ from those of `before` and may be set between steps, and books
  * the energy that they add or remove. Returns false where a force, a factor or the work is not finite. The
  * caller must then give up the state q. */
@@ -294,6 +277,7 @@ static bool motion_tune(const struct scene_values *v, const struct scene_values 
         solver_absolute_tolerance(v) != solver_absolute_tolerance(before)) {
         q->integrator_fresh = 1; /* CVODE reads tolerances only at a start */
         q->phase.end = 0.0;
+        q->deferrable_clock = 0.0; /* without its phase a deferred motion would fly */
     }
     if (!changed) {
         return true;
@@ -307,10 +291,7 @@ static bool motion_tune(const struct scene_values *v, const struct scene_values 
         scene_rebase(q);
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (SCENE_ANY_FREE) {
-            transition_scale_force_error(q, j, factors[j]);
-        }
-        q->contact[j].parameters.factors = factors[j];
+        take_factors(&q->contact[j], factors[j]);
     }
     if (SCENE_ANY_FREE) {
         transition_take_law(q, law_changed, stored);
@@ -347,28 +328,23 @@ static bool model_can_tune(struct model *m, const struct variable *variable, dou
     return motion_tune(&v, m->state.tuned ? &m->state.in_force : &m->state.values, &q);
 }
 
-/* Returns the index of a variable among its body's input signals, or -1 when it is no input. */
-static int signal_of(const struct variable *variable)
+/* Returns the index of an input among the signals of its body. */
+static int signal_of(const struct variable *input)
 {
-    for (int i = 0; i < INPUT_KINDS; ++i) {
-        if (variable->row == input_kinds[i].row) {
-            return 3 * i + variable->component;
-        }
+    int i = 0;
+    while (input->row != input_kinds[i].row) {
+        ++i;
     }
-    return -1;
+    return 3 * i + input->component;
 }
 
-/* Returns the marks of an input, which are about to change; NULL: the variable is no input. */
-static uint8_t *changed_marks(struct model *m, const struct variable *variable)
+/* Returns the marks of an input, which are about to change. */
+static uint8_t *changed_marks(struct model *m, const struct variable *input)
 {
-    const int index = signal_of(variable);
     m->outputs = OUTPUTS_NONE;
-    if (index < 0) {
-        return NULL;
-    }
     m->state.signals_changed = 1;
     m->state.signals_open = 1;
-    return &m->state.marks[variable->element][index];
+    return &m->state.marks[input->element][signal_of(input)];
 }
 
 double variable_value(const struct variable *variable, const struct scene_values *values)
@@ -409,18 +385,18 @@ void model_set(struct model *m, const struct variable *variable, double value)
         model_begin_tuning(m);
     }
     variable_put(variable, &m->state.values, value);
-    uint8_t *marks = changed_marks(m, variable);
-    if (marks != NULL) {
+    m->outputs = OUTPUTS_NONE;
+    if (variable->causality == VARIABLE_INPUT) {
+        uint8_t *marks = changed_marks(m, variable);
         /* A new value without derivatives at the same communication point ends earlier derivatives. */
-        *marks = (uint8_t)((*marks & (SIGNAL_RATE | SIGNAL_CURVATURE) ? *marks : 0) | SIGNAL_VALUE);
+        *marks = (uint8_t)((*marks & SIGNAL_DERIVATIVES ? *marks : 0) | SIGNAL_VALUE);
     }
 }
 
 void model_set_input_derivative(struct model *m, const struct variable *variable, int order, double value)
 {
-    struct input_signal *signal = &m->state.signals[variable->element][signal_of(variable)];
-    *(order == 1 ? &signal->rate : &signal->curvature) = value;
-    *changed_marks(m, variable) |= (uint8_t)((order == 1 ? SIGNAL_RATE : SIGNAL_CURVATURE) | SIGNAL_EXPLICIT);
+    m->state.signals[variable->element][signal_of(variable)][order - 1] = value;
+    *changed_marks(m, variable) |= (uint8_t)((1 << order) | SIGNAL_EXPLICIT);
 }
 
 /* Directions count as parallel within this angle [rad]: their rounding, and that of a user's products. */
@@ -525,16 +501,6 @@ bool model_apply_inputs(struct model *m)
  * difference quotients of displacements are no more accurate. */
 static const double RATE_AGREEMENT = 1e-6;
 
-/* Whether a body's displacement has given derivatives. Without them it follows the velocity, or rests
- * where all bodies are prescribed, and does not contradict the velocity. Where all bodies are prescribed, a
- * derivative of zero means that none is given. */
-static bool has_rate_of_its_own(const struct model *m, int body, struct vec3 rate)
-{
-    const uint8_t *marks = m->state.marks[body];
-    const bool given = ((marks[0] | marks[1] | marks[2]) & SIGNAL_EXPLICIT) != 0;
-    return given && !(inputs_prescribe_all(&m->state.values) && vec3_is_zero(rate));
-}
-
 /* Bits of model_state.warned_of_rate. */
 enum { WARNED_OF_DISPLACEMENT = 1, WARNED_OF_AXIS = 2 };
 
@@ -587,12 +553,17 @@ void model_warn_of_rates(struct model *m)
     /* A scene without a solver takes the start value that solver.absolute_tolerance has elsewhere. */
     const double least_speed = SCENE_ANY_FREE ? solver_absolute_tolerance(v) : 1e-12;
     for (int i = 0; i < SCENE_BODIES; ++i) {
+        const uint8_t *marks = m->state.marks[i];
         struct body_path path = q->path[i];
         body_path_shift(v, i, &path, q->clock);
+        /* Without given derivatives a displacement follows the velocity, or rests where all bodies are
+         * prescribed, and does not contradict it. There a derivative of zero means that none is given. */
+        const bool has_rate = ((marks[0] | marks[1] | marks[2]) & SIGNAL_EXPLICIT) != 0 &&
+                              !(inputs_prescribe_all(v) && vec3_is_zero(path.displacement[1]));
         if (body_turn_is_prescribed(v, i) && body_has_axis(i) && path.turn_follows == TURN_FOLLOWS_AXIS) {
             warn_of_axis(m, i, &path);
         }
-        if (body_is_prescribed(v, i) && has_rate_of_its_own(m, i, path.displacement[1])) {
+        if (body_is_prescribed(v, i) && has_rate) {
             warn_of_rates(m, i, WARNED_OF_DISPLACEMENT, path.displacement[1], path.velocity[0], least_speed);
         }
     }

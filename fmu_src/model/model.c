@@ -34,21 +34,20 @@ void model_reset(struct model *m)
 
 enum model_status model_setup(struct model *m, bool tolerance_defined, double tolerance, double start_time)
 {
-    enum model_status status = MODEL_OK;
     if (tolerance_defined && !(tolerance > 0.0 && isfinite(tolerance))) {
         return model_report(m, MODEL_ERROR, "The tolerance %s is refused (allowed: positive finite numbers).",
                             shortest_digits(tolerance).text);
     }
-    const struct variable *row = scene_tolerance;
-    m->state.importer_tolerance = tolerance_defined && row ? fmin(fmax(tolerance, row->min), row->max) : 0.0;
-    if (tolerance_defined && row && m->state.importer_tolerance != tolerance) {
-        status = model_report(
-            m, MODEL_WARNING, "The tolerance %s is outside the range %g .. %g of %s; %g is used.",
-            shortest_digits(tolerance).text, row->min, row->max, row->name, m->state.importer_tolerance);
-    }
+    const struct variable *row = tolerance_defined ? scene_tolerance : NULL;
+    const double used = row ? fmin(fmax(tolerance, row->min), row->max) : 0.0;
+    m->state.importer_tolerance = used;
     m->state.start_time = start_time;
     m->outputs = OUTPUTS_NONE;
-    return status;
+    return !row || used == tolerance
+               ? MODEL_OK
+               : model_report(m, MODEL_WARNING,
+                              "The tolerance %s is outside the range %g .. %g of %s; %g is used.",
+                              shortest_digits(tolerance).text, row->min, row->max, row->name, used);
 }
 
 enum model_status model_exit_initialization(struct model *m)
@@ -57,7 +56,6 @@ enum model_status model_exit_initialization(struct model *m)
     if (checked > MODEL_WARNING) {
         return checked;
     }
-    model_prepare(m);
     if (!m->host.exchange) {
         const enum model_status status = motion_open(m, &m->state.values, "Initialization failed");
         if (status != MODEL_OK) {
@@ -184,19 +182,15 @@ static bool is_orientation(struct quaternion a, bool initialized)
 
 static bool turning_is_sound(const struct scene_state *q, bool initialized)
 {
-    if (!all_finite(&q->turning, &q->turning + 1)) {
-        return false;
-    }
-    for (int i = 0; SCENE_ANY_ROTATION && i < SCENE_BODIES; ++i) {
+    bool sound = all_finite(&q->turning, &q->unfinished);
+    for (int i = 0; SCENE_ANY_ROTATION && sound && i < SCENE_BODIES; ++i) {
         const double follows = q->path[i].turn_follows;
-        if (!is_orientation(q->turn_origin[i].orientation, initialized) ||
-            !is_orientation(q->turning.body[i].orientation, initialized) ||
-            (follows != TURN_FOLLOWS_VELOCITY && follows != TURN_FOLLOWS_AXIS &&
-             follows != TURN_FOLLOWS_AXIS_ALONE)) {
-            return false;
-        }
+        sound = is_orientation(q->turn_origin[i].orientation, initialized) &&
+                is_orientation(q->turning.body[i].orientation, initialized) &&
+                (follows == TURN_FOLLOWS_VELOCITY || follows == TURN_FOLLOWS_AXIS ||
+                 follows == TURN_FOLLOWS_AXIS_ALONE);
     }
-    return all_finite(q->turn_origin, q->turn_origin + SCENE_BODIES);
+    return sound;
 }
 
 static bool known_regime(int32_t regime)
@@ -293,20 +287,17 @@ static bool motion_is_sound(const struct scene_state *q, bool initialized)
  * made on purpose. */
 static bool state_is_sound(const struct model_state *state)
 {
-    for (int i = 0; i < scene_variable_count; ++i) {
-        if (!value_in_range(&state->values, &scene_variables[i]) ||
-            (state->tuned && !value_in_range(&state->in_force, &scene_variables[i]))) {
-            return false;
-        }
+    const bool initialized = state->initialized != 0;
+    bool sound = true;
+    for (int i = 0; sound && i < scene_variable_count; ++i) {
+        sound = value_in_range(&state->values, &scene_variables[i]) &&
+                (!state->tuned || value_in_range(&state->in_force, &scene_variables[i]));
     }
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (!contact_is_sound(&state->motion.contact[j], state->initialized != 0)) {
-            return false;
-        }
+    for (int j = 0; sound && j < SCENE_CONTACTS; ++j) {
+        sound = contact_is_sound(&state->motion.contact[j], initialized);
     }
-    return motion_is_sound(&state->motion, state->initialized != 0) && phase_is_sound(state) &&
-           turning_is_sound(&state->motion, state->initialized != 0) &&
-           all_finite(state->signals, &state->motion) &&
+    return sound && motion_is_sound(&state->motion, initialized) && phase_is_sound(state) &&
+           turning_is_sound(&state->motion, initialized) && all_finite(state->signals, &state->motion) &&
            (!state->motion.deferred || (state->initialized && state->exchange == EXCHANGE_NONE)) &&
            all_finite(&state->importer_tolerance, &state->in_force) && state->tuned <= 1;
 }
@@ -328,19 +319,6 @@ static bool gives_numbers(struct model *m)
     return finite;
 }
 
-static enum model_status check_state(struct model *m, const struct model_state *state)
-{
-    if (state->exchange > EXCHANGE_CONTINUOUS || (state->exchange != EXCHANGE_NONE) != m->host.exchange) {
-        return model_report(
-            m, MODEL_ERROR, "Saved state refused: it was saved while %s integrates, expected: while %s does.",
-            m->host.exchange ? "the model" : "the importer", m->host.exchange ? "the importer" : "the model");
-    }
-    if (!state_is_sound(state)) {
-        return model_report(m, MODEL_ERROR, "Saved state refused: it holds values out of range.");
-    }
-    return MODEL_OK;
-}
-
 /* A model of its own tries the state first, without messages. Where the state is refused, `m` stays as it is,
  * and the memory of its integrator still fits its values. */
 enum model_status model_restore(struct model *m, const void *bytes)
@@ -348,9 +326,14 @@ enum model_status model_restore(struct model *m, const void *bytes)
     struct model trial = {.host = m->host, .outputs = OUTPUTS_NONE};
     memcpy(&trial.state, bytes, sizeof trial.state);
     trial.state.motion.v = &trial.state.values;
-    const enum model_status status = check_state(m, &trial.state);
-    if (status != MODEL_OK) {
-        return status;
+    const unsigned exchange = trial.state.exchange;
+    if (exchange > EXCHANGE_CONTINUOUS || (exchange != EXCHANGE_NONE) != m->host.exchange) {
+        return model_report(
+            m, MODEL_ERROR, "Saved state refused: it was saved while %s integrates, expected: while %s does.",
+            m->host.exchange ? "the model" : "the importer", m->host.exchange ? "the importer" : "the model");
+    }
+    if (!state_is_sound(&trial.state)) {
+        return model_report(m, MODEL_ERROR, "Saved state refused: it holds values out of range.");
     }
     trial.host.log = NULL;
     if (!gives_numbers(&trial)) {

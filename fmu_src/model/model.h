@@ -93,7 +93,6 @@ CONTACT_COLD enum model_status model_get_output_derivatives(struct model *m,
 struct product {
     bool adjoint; /* true: seed times J, one seed for each unknown; else J times seed, one for each known */
     struct variable_list unknowns, knowns;
-    size_t unknown_components, known_components; /* numbers of components that the importer gives */
     const double *seed;
     double *sensitivity;
 };

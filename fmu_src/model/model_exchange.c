@@ -50,10 +50,6 @@ static double *state_at(struct scene_state *q, struct scene_jet *along, const st
         return quaternion_part(along ? &along->given_orientation[i] : &q->turning.body[i].orientation, k);
     case ROW_body_angular_velocity_state:
         return vec3_part(along ? &along->angular_velocity[i][1] : &q->turning.body[i].angular_velocity, k);
-    case ROW_contact_spring_state:
-    case ROW_contact_rolling_spring_state:
-    case ROW_contact_spinning_spring_state:
-        return vec3_part(along ? &along->spring[i][part][1] : &q->turning.spring[i][part], k);
     case ROW_body_displacement_state:
         return vec3_part(along ? &along->displacement[i][1] : &q->body[i].moved, k);
     case ROW_body_velocity_state:
@@ -62,8 +58,10 @@ static double *state_at(struct scene_state *q, struct scene_jet *along, const st
         return along ? &along->dissipated[1] : &q->dissipated;
     case ROW_energy_external_work_state:
         return along ? &along->external_work[1] : &q->external_work;
-    default: /* ROW_energy_friction_state */
+    case ROW_energy_friction_state:
         return along ? &along->friction[1] : &q->friction_energy;
+    default: /* of a spring */
+        return vec3_part(along ? &along->spring[i][part][1] : &q->turning.spring[i][part], k);
     }
 }
 
@@ -75,24 +73,21 @@ static double state_origin(const struct scene_state *q, const struct variable *s
                : 0.0;
 }
 
-static double indicator_of(const struct scene_instant *at, const struct variable *indicator)
+static enum ode_event event_of(int indicator)
 {
-    const int j = indicator->element;
-    switch (indicator->row) {
+    switch (indicator) {
     case ROW_contact_touch_indicator:
-        return regime_touch_margin(at, j);
+        return ODE_EVENT_GAP;
     case ROW_contact_dashpot_indicator:
-        return regime_dashpot_margin(at, j);
+        return ODE_EVENT_LAW;
     case ROW_contact_zone_indicator:
-        return regime_zone_margin(at, j);
-    case ROW_contact_stick_indicator:
-    case ROW_contact_rolling_stick_indicator:
-    case ROW_contact_spinning_stick_indicator:
-        return regime_friction_margin(at, j, ode_stick_event(part_of(indicator->row)));
+        return (enum ode_event)ODE_EVENT_ZONE;
     case ROW_contact_cap_indicator:
-        return regime_friction_margin(at, j, ODE_EVENT_CAP);
-    default: /* ROW_contact_lift_indicator */
-        return regime_friction_margin(at, j, ODE_EVENT_LIFT);
+        return ODE_EVENT_CAP;
+    case ROW_contact_lift_indicator:
+        return ODE_EVENT_LIFT;
+    default: /* of sticking */
+        return ode_stick_event(part_of(indicator));
     }
 }
 
@@ -100,35 +95,21 @@ static double indicator_of(const struct scene_instant *at, const struct variable
  * sliding begins or ends. */
 static uint32_t booked_states(const struct scene_state *q)
 {
-    const double energies[] = {q->dissipated, q->external_work};
+    const double energies[] = {q->dissipated, q->external_work, q->friction_energy};
     const uint32_t mark = checksum_of(CHECKSUM_START, energies, sizeof energies);
-    const uint32_t springs = checksum_of(mark, q->turning.spring, sizeof q->turning.spring);
-    return SCENE_ANY_FRICTION ? checksum_of(springs, &q->friction_energy, sizeof(double)) : mark;
+    return checksum_of(mark, q->turning.spring, sizeof q->turning.spring);
 }
 
-void model_exchange_move(const struct scene_state *q, const struct variable *state, double change,
+void model_exchange_move(const struct scene_instant *at, const struct variable *state, double change,
                          struct scene_jet *along)
 {
-    if (is_in_use(q->v, state)) {
+    if (is_in_use(at->v, state)) {
         *state_at(NULL, along, state) += change;
         if (SCENE_ANY_ROTATION && state->row == ROW_body_orientation_state) {
-            const struct quaternion raw = q->turning.body[state->element].orientation;
-            turning_jet_move_orientation(state->element, quaternion_unit(raw), sqrt(quaternion_dot(raw, raw)),
+            turning_jet_move_orientation(at, state->element, at->q->turning.body[state->element].orientation,
                                          state->component, change, along);
         }
     }
-}
-
-/* Returns the rate of an orientation, or its change along a path; NULL: no path. */
-static struct quaternion orientation_rate(const struct scene_state *q, const struct scene_jet *along,
-                                          int body)
-{
-    const struct body_turn *turn = &q->turning.body[body];
-    if (along == NULL) {
-        return quaternion_rate(turn->orientation, turn->angular_velocity);
-    }
-    return quaternion_axpy(quaternion_rate(turn->orientation, along->angular_velocity[body][1]), 1.0,
-                           quaternion_rate(along->given_orientation[body], turn->angular_velocity));
 }
 
 double model_exchange_rate(const struct scene_instant *at, const struct scene_jet *along,
@@ -136,14 +117,20 @@ double model_exchange_rate(const struct scene_instant *at, const struct scene_je
 {
     const int i = rate->element;
     const int k = rate->component;
-    struct quaternion turned;
     if (!is_in_use(at->v, rate)) {
         return 0.0;
     }
     switch (rate->row) {
-    case ROW_body_orientation_state:
-        turned = orientation_rate(at->q, along, i);
+    case ROW_body_orientation_state: {
+        const struct body_turn *turn = &at->q->turning.body[i];
+        const struct vec3 omega = along ? along->angular_velocity[i][1] : turn->angular_velocity;
+        struct quaternion turned = quaternion_rate(turn->orientation, omega);
+        if (along) {
+            const struct quaternion given = along->given_orientation[i];
+            turned = quaternion_axpy(turned, 1.0, quaternion_rate(given, turn->angular_velocity));
+        }
         return *quaternion_part(&turned, k);
+    }
     case ROW_body_displacement_state:
         return vec3_get(along ? along->velocity[i][1] : at->velocity[i], k);
     case ROW_body_velocity_state:
@@ -178,8 +165,9 @@ double model_exchange_value(const struct scene_instant *at, const struct variabl
         const double kept = *state_at((struct scene_state *)at->q, NULL, variable);
         return variable->row == ROW_body_displacement_state ? state_origin(at->q, variable) + kept : kept;
     }
-    return variable->causality == VARIABLE_RATE ? model_exchange_rate(at, NULL, variable)
-                                                : indicator_of(at, variable);
+    return variable->causality == VARIABLE_RATE
+               ? model_exchange_rate(at, NULL, variable)
+               : regime_margin(at, variable->element, event_of(variable->row));
 }
 
 /* Changes each regime whose event function has passed zero. Whether one has changed. */
@@ -189,20 +177,16 @@ static bool change_regimes(struct scene_state *q)
     for (int j = 0; SCENE_ANY_FREE && j < SCENE_CONTACTS; ++j) {
         struct scene_instant at;
         scene_now(q, &at);
-        const enum contact_regime next = regime_by_margins(&at, j);
-        const bool passes = SCENE_ANY_ZONES && regime_zone_margin(&at, j) <= 0.0;
-        if (passes || next != (enum contact_regime)q->contact[j].regime) {
-            transition_change_regime(q, j, next, &at);
-            changed = true;
+        const int event = regime_event(&at, j);
+        if (event < 0) {
             continue;
         }
-        if (SCENE_ANY_FRICTION) {
-            const enum ode_event event = regime_friction_event(&at, j);
-            if (event != ODE_EVENT_GAP) {
-                transition_change_friction(q, j, event, &at);
-                changed = true;
-            }
+        if (SCENE_ANY_FRICTION && event > ODE_EVENT_LAW && event != ODE_EVENT_ZONE) {
+            transition_change_friction(q, j, (enum ode_event)event, &at);
+        } else {
+            transition_change_regime(q, j, ode_regime_after(q, j, event), &at);
         }
+        changed = true;
     }
     motion_forget_integration(q);
     return changed;

@@ -164,18 +164,14 @@ enum model_status motion_advance(struct model *m, const struct step_request *req
     }
     const double end_time = request->end_time;
     const int32_t events = m->state.motion.counters.events;
-    switch (integrator_run(&m->integrator, &m->state.motion, request)) {
-    case INTEGRATOR_DONE:
-        break;
-    case INTEGRATOR_STEP_LIMIT:
-        return report_early_end(m, request, true);
-    case INTEGRATOR_STALLED:
-        return report_early_end(m, request, false);
-    case INTEGRATOR_FAILED:
-    default:
+    const enum advance_result status = integrator_run(&m->integrator, &m->state.motion, request);
+    if (status == ADVANCE_FAILED) {
         return model_report(m, MODEL_ERROR, "The step to %s s failed at %s s: %s",
                             shortest_digits(end_time).text,
                             shortest_digits(scene_time(&m->state.motion)).text, m->integrator.message);
+    }
+    if (status != ADVANCE_REACHED) {
+        return report_early_end(m, request, status == ADVANCE_STEP_LIMIT);
     }
     if (m->state.motion.counters.events != events && model_reports(m, MODEL_OK)) {
         model_report(m, MODEL_OK, "Changes of contact up to %s s: %d; since initialization: %d.",
@@ -188,7 +184,7 @@ enum model_status motion_advance(struct model *m, const struct step_request *req
 void motion_catch_up(struct model *m)
 {
     if (SCENE_ANY_FREE && m->state.motion.deferred) {
-        integrator_catch_up(&m->integrator, &m->state.motion);
+        integrator_catch_up(&m->integrator, &m->state.motion, true);
     }
 }
 

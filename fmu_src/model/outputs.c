@@ -1,5 +1,6 @@
 /* The outputs of bodies, contacts, rotation and friction, and their derivatives along a path. */
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "contact/shape.h"
@@ -7,10 +8,11 @@
 #include "scene/evaluate.h"
 #include "scene/scene_jet.h"
 
-/* Returns an impulse divided by the length of the step [s]. The function does not multiply by the reciprocal,
- * which is infinite for steps of less than 1e-308 s. */
-static struct vec3 mean_of(struct vec3 impulse, double window)
+/* Returns by how much an impulse has grown since `mark`, divided by the length of the step [s]. The function
+ * does not multiply by the reciprocal, which is infinite for steps of less than 1e-308 s. */
+static struct vec3 mean_of(struct vec3 now, struct vec3 mark, double window)
 {
+    const struct vec3 impulse = vec3_sub(now, mark);
     return window > 0.0 ? vec3_make(impulse.x / window, impulse.y / window, impulse.z / window)
                         : vec3_make(0.0, 0.0, 0.0);
 }
@@ -24,17 +26,12 @@ static bool peaks_are_known(const struct contact_state *state)
     return !(state->record.force_bound > state->peaks.force * (1.0 + KNOWN));
 }
 
-/* Returns why an output cannot be read although the motion is finite, or NULL where it can be read. */
-static const char *unknown_reason(const struct model *m, const struct variable *variable)
+/* Whether an output can be read where the motion is finite. */
+static bool is_known(const struct model *m, const struct variable *variable)
 {
     const bool is_peak =
         variable->row == ROW_contact_peak_force || variable->row == ROW_contact_peak_penetration;
-    if (!SCENE_ANY_FREE || !is_peak || peaks_are_known(&m->state.motion.contact[variable->element])) {
-        return NULL;
-    }
-    return "in a contact as stiff as this, rounding of gap and speed where it began makes more than 1e-6 of "
-           "the peak (allowed: a smaller penalty factor, or, where the contact is damped, a later "
-           "communication step; other outputs can be read)";
+    return !SCENE_ANY_FREE || !is_peak || peaks_are_known(&m->state.motion.contact[variable->element]);
 }
 
 /* Sets the outputs of a contact over a step or the run. */
@@ -43,14 +40,13 @@ static void put_history(struct scene_values *v, const struct scene_state *q, int
     const struct contact_state *state = &q->contact[contact];
     const struct contact_impulses *now = &state->physics.impulse;
     const struct contact_impulses *mark = &state->record.impulse_mark;
-    const struct vec3 impulse = vec3_sub(now->force, mark->force);
+    const double window = q->step_length;
     const bool touching = state->regime != REGIME_APART;
-    put_contact_mean_force(v, contact, mean_of(impulse, q->step_length));
+    put_contact_mean_force(v, contact, mean_of(now->force, mark->force, window));
     if (SCENE_ANY_TURNING) {
-        put_contact_mean_source_torque(
-            v, contact, mean_of(vec3_sub(now->source_torque, mark->source_torque), q->step_length));
+        put_contact_mean_source_torque(v, contact, mean_of(now->source_torque, mark->source_torque, window));
         put_contact_mean_destination_torque(
-            v, contact, mean_of(vec3_sub(now->destination_torque, mark->destination_torque), q->step_length));
+            v, contact, mean_of(now->destination_torque, mark->destination_torque, window));
     }
     put_contact_peak_force(v, contact, state->peaks.force);
     put_contact_peak_penetration(v, contact, state->peaks.penetration);
@@ -85,13 +81,11 @@ static void put_counters(struct scene_values *v, const struct scene_state *q)
     put_solver_events(v, q->counters.events);
     put_solver_rejected_steps(v, q->counters.rejected_steps);
     put_solver_fallbacks(v, q->counters.fallbacks);
-#if HAS_solver_islands || HAS_solver_largest_island
-    {
+    if (HAS_solver_islands || HAS_solver_largest_island) {
         const struct islands islands = scene_islands(q);
         put_solver_islands(v, islands.count);
         put_solver_largest_island(v, islands.largest);
     }
-#endif
 }
 
 bool model_has_derivatives(const struct variable *variable)
@@ -180,6 +174,25 @@ static void put_rubbing_terms(struct scene_values *v, const struct scene_jet *al
     }
 }
 
+/* Distance from an open end, in rounding bounds of the axial position, below which rounding may decide the
+ * side: the position may be wrong by a bound to either side, at two times that are compared. */
+static const double END_ROUNDINGS = 4.0;
+
+/* Whether outputs show the source within the extents of the destination. Where rounding may put the source on
+ * either side of an open end, the present regime decides. */
+static bool is_shown_within(const struct scene_instant *at, int contact, const struct contact_shape *shape)
+{
+    const struct contact_geometry *g = &at->geometry[contact];
+    const double beyond = scene_beyond_ends(shape, g);
+    const bool within = beyond <= 0.0;
+    if (!SCENE_ANY_ENDS || !isfinite(shape->half_length) ||
+        fabs(beyond) > END_ROUNDINGS * rounding_of_axial(at, contact, shape)) {
+        return within;
+    }
+    const bool overlaps = g->gap < -rounding_of_gap(at, contact);
+    return at->q->contact[contact].regime != (int32_t)REGIME_APART || (within && !overlaps);
+}
+
 /* Sets coefficient `order` of the outputs of a contact. */
 static void put_contact_terms(struct scene_values *v, const struct scene_instant *at,
                               const struct scene_jet *along, int contact, int order)
@@ -187,7 +200,7 @@ static void put_contact_terms(struct scene_values *v, const struct scene_instant
     const struct contact_jet *jet = &along->contact[contact];
     const struct contact_shape shape = scene_shape_met(at, contact);
     const struct contact_geometry turned = {.normal = jet->normal[order]};
-    const bool within = scene_shown_within(at, contact, &shape);
+    const bool within = is_shown_within(at, contact, &shape);
     const struct vec3 arm = SCENE_ANY_TURNING
                                 ? along->turning[contact].source_arm[order]
                                 : vec3_scale(shape.side * shape.source_radius, jet->normal[order]);
@@ -300,9 +313,11 @@ static void put_contact_state(struct scene_values *v, const struct scene_instant
     const struct contact_state *state = &at->q->contact[contact];
     const struct contact_shape shape = scene_shape_met(at, contact);
     const struct contact_law law = scene_contact_law(at->q, contact);
-    put_contact_active(v, contact, state->regime != (int32_t)REGIME_APART);
-    put_contact_within_extents(v, contact, scene_shown_within(at, contact, &shape));
-    put_contact_zone(v, contact, (int32_t)zones_shown(at, contact));
+    const bool touches = state->regime != (int32_t)REGIME_APART;
+    const int zone = contact_is_capped(&shape) ? abs(at->geometry[contact].zone) : (int)ZONE_SIDE;
+    put_contact_active(v, contact, touches);
+    put_contact_within_extents(v, contact, is_shown_within(at, contact, &shape));
+    put_contact_zone(v, contact, touches ? zone : (int)ZONE_NONE);
     if (SCENE_ANY_TURNING) {
         put_contact_sticking(v, contact, sticks(v, at->q, at, contact));
     }
@@ -365,6 +380,17 @@ static void update_all(struct model *m)
     warn_of_missing_direction(m, &at);
 }
 
+/* Whether no bodies overlap. */
+static bool all_are_apart(const struct scene_state *q)
+{
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (q->contact[j].regime != REGIME_APART) {
+            return false;
+        }
+    }
+    return true;
+}
+
 bool model_update_outputs(struct model *m, enum outputs wanted)
 {
     if (m->outputs >= wanted) {
@@ -378,7 +404,7 @@ bool model_update_outputs(struct model *m, enum outputs wanted)
     update_bodies(m);
     /* Overlapping bodies may need a warning, whichever outputs are wanted. */
     if (wanted > OUTPUTS_BODIES || scene_is_force_element(&m->state.values) ||
-        !scene_is_apart(&m->state.motion)) {
+        !all_are_apart(&m->state.motion)) {
         update_all(m);
     }
     return true;
@@ -405,9 +431,13 @@ enum model_status model_read(struct model *m, const struct variable *variable, d
     if (!model_update_outputs(m, outputs_for(m, variable))) {
         return model_refuse_inputs(m);
     }
-    const char *unknown = unknown_reason(m, variable);
-    if (unknown) {
-        return model_report(m, MODEL_DISCARD, "%s is not known: %s.", variable->name, unknown);
+    if (!is_known(m, variable)) {
+        return model_report(
+            m, MODEL_DISCARD,
+            "%s is not known: in a contact as stiff as this, rounding of gap and speed where it "
+            "began makes more than 1e-6 of the peak (allowed: a smaller penalty factor, or, where "
+            "the contact is damped, a later communication step; other outputs can be read).",
+            variable->name);
     }
     if (variable_is_local(variable)) {
         struct scene_instant now;

@@ -77,8 +77,8 @@ static enum model_status check_axes(struct model *m, int contact)
                               names[1]);
 }
 
-/* Checks that a source that may touch a torus from within passes through its hole. One that touches all
- * round the hole has no nearest point. */
+/* Checks that a source that may touch a torus from within passes through the hole. One that touches all round
+ * the hole has no nearest point. */
 static enum model_status check_ring(struct model *m, int contact)
 {
     const struct scene_values *v = &m->state.values;
@@ -96,13 +96,6 @@ static enum model_status check_ring(struct model *m, int contact)
                      "%s.radius = %s m contradicts %s.ring_radius = %s m: the source would touch all round "
                      "the hole (allowed: one that fits through, location inside, or side outer_race).",
                      source, shortest_digits(r_s).text, name, shortest_digits(ring).text);
-}
-
-static enum model_status check_contact(struct model *m, int contact)
-{
-    const bool is_torus = SCENE_ANY_TORUS && body_shape(contact_destination(contact)) == SHAPE_TORUS;
-    const enum model_status status = is_torus ? check_ring(m, contact) : MODEL_OK;
-    return SCENE_ANY_AXIS && status == MODEL_OK ? check_axes(m, contact) : status;
 }
 
 /* Checks that a contact's factors are finite, as products of finite parameters need not be. */
@@ -243,7 +236,9 @@ enum model_status model_check_consistency(struct model *m)
         status = check_rotation(m, i);
     }
     for (int j = 0; j < SCENE_CONTACTS && status == MODEL_OK; ++j) {
-        status = check_contact(m, j);
+        const bool is_torus = SCENE_ANY_TORUS && body_shape(contact_destination(j)) == SHAPE_TORUS;
+        status = is_torus ? check_ring(m, j) : MODEL_OK;
+        status = SCENE_ANY_AXIS && status == MODEL_OK ? check_axes(m, j) : status;
     }
     if (status == MODEL_OK) {
         model_prepare(m);

@@ -1,7 +1,6 @@
 /* Derivatives of outputs with respect to time and with respect to inputs. Both are Taylor coefficients
  * along a path (scene_jet.h). */
 #include <math.h>
-#include <string.h>
 
 #include "model/state.h"
 #include "scene/evaluate.h"
@@ -64,16 +63,6 @@ enum model_status model_get_output_derivatives(struct model *m, const struct var
     return status;
 }
 
-/* Moves one component of a prescribed orientation, whose sign may be opposite to that of the output. */
-static void move_prescribed_orientation(const struct scene_instant *at, const struct variable *known,
-                                        double change, struct scene_jet *along)
-{
-    const struct quaternion given = body_prescribed_orientation(at->v, known->element);
-    const struct quaternion unit = at->turning.body[known->element].orientation;
-    const double length = copysign(sqrt(quaternion_dot(given, given)), quaternion_dot(given, unit));
-    turning_jet_move_orientation(known->element, unit, length, known->component, change, along);
-}
-
 /* Moves one known along the path. An input has an effect only where it is in use: the motion inputs of a
  * prescribed body, the force and torque on a free one. A state of Model Exchange may be a known too. */
 static void move_inputs(const struct scene_instant *at, const struct variable *known, double change,
@@ -83,7 +72,7 @@ static void move_inputs(const struct scene_instant *at, const struct variable *k
     const bool turns = SCENE_ANY_ROTATION && body_turn_is_prescribed(at->v, i);
     struct vec3 *moved = NULL;
     if (known->causality == VARIABLE_STATE) {
-        model_exchange_move(at->q, known, change, along);
+        model_exchange_move(at, known, change, along);
     } else if (known->row == ROW_body_external_force) {
         moved = body_is_free(at->v, i) ? &along->force[i] : NULL;
     } else if (known->row == ROW_body_external_torque) {
@@ -97,7 +86,8 @@ static void move_inputs(const struct scene_instant *at, const struct variable *k
     } else if (turns && known->row == ROW_body_prescribed_axis) {
         turning_jet_move_axis(at, i, known->component, change, along);
     } else if (SCENE_ANY_COMPOUND && turns && known->row == ROW_body_prescribed_orientation) {
-        move_prescribed_orientation(at, known, change, along);
+        turning_jet_move_orientation(at, i, body_prescribed_orientation(at->v, i), known->component, change,
+                                     along);
     }
     if (moved != NULL) {
         *vec3_part(moved, known->component) += change;
@@ -128,13 +118,8 @@ static void vary_laws(const struct model *m, struct linear_model *l)
 static void begin_path(const struct model *m, struct linear_model *l)
 {
     jet_begin(&l->at, &l->along);
-    if (SCENE_ANY_TURNING) {
-        l->along.jumps = !m->host.exchange && scene_is_force_element(&m->state.values);
-    }
-    for (int j = 0; SCENE_ANY_FRICTION && j < SCENE_CONTACTS && scene_turns(&m->state.values); ++j) {
-        /* A reading of outputs does not lay the springs of the state. */
-        memcpy(l->along.spring_before[j], m->state.motion.turning.spring[j],
-               sizeof l->along.spring_before[j]);
+    if (SCENE_ANY_FRICTION && !m->host.exchange && scene_is_force_element(&m->state.values)) {
+        l->along.spring_before = m->state.motion.turning.spring; /* a reading of outputs lays only a copy */
     }
 }
 

@@ -12,17 +12,13 @@
 /* Who integrates: the model itself, or the importer, in event mode or in continuous-time mode. */
 enum exchange_mode { EXCHANGE_NONE, EXCHANGE_EVENTS, EXCHANGE_CONTINUOUS };
 
-/* Bits of model_state.marks */
+/* Bits of model_state.marks. Bit i tells that the derivative of order i was set at this communication point,
+ * where that of order 0 is the value. */
 enum {
-    SIGNAL_VALUE = 1,     /* the value was set at this communication point */
-    SIGNAL_RATE = 2,      /* a first derivative was set at this communication point */
-    SIGNAL_CURVATURE = 4, /* a second derivative was set at this communication point */
-    SIGNAL_EXPLICIT = 8   /* the input goes on by given derivatives */
-};
-
-/* The time derivatives of one scalar input as the importer set them. */
-struct input_signal {
-    double rate, curvature; /* d/dt and d^2/dt^2 */
+    SIGNAL_VALUE = 1,
+    SIGNAL_DERIVATIVES = 6, /* of orders 1 and 2 */
+    SIGNAL_SET = SIGNAL_VALUE | SIGNAL_DERIVATIVES,
+    SIGNAL_EXPLICIT = 8 /* the input goes on by given derivatives */
 };
 
 /* Input components of a body: prescribed displacement, velocity and external force; where bodies may turn,
@@ -33,7 +29,7 @@ enum { SIGNALS_EACH = SCENE_ANY_COMPOUND ? 22 : SCENE_ANY_ROTATION ? 18 : 9 };
  * come first, so that there is no padding inside. */
 struct model_state {
     struct scene_values values;
-    struct input_signal signals[SCENE_BODIES][SIGNALS_EACH];
+    double signals[SCENE_BODIES][SIGNALS_EACH][2]; /* d/dt and d^2/dt^2 of inputs as the importer set them */
     struct scene_state motion;
     /* booked_states() (model_exchange.c) when the importer last set or read the states */
     uint64_t booked;
@@ -99,7 +95,8 @@ struct contact_law model_law_slope(const struct model *m, int contact, double di
 /* Sets the paths of the bodies at the start by the inputs. */
 void model_start_paths(struct model *m);
 
-/* Checks the parameters for contradictions and reports the first. */
+/* Checks the parameters for contradictions and reports the first; where there is none, the motion is at its
+ * start. */
 CONTACT_COLD enum model_status model_check_consistency(struct model *m);
 
 /* Warns of each parameter that has been set and that nothing reads, naming the choice by which something
@@ -184,7 +181,7 @@ void motion_forget_integration(struct scene_state *q);
 double model_exchange_value(const struct scene_instant *at, const struct variable *variable);
 
 /* Changes a state along a path; a state of a body that is not free has no effect. */
-void model_exchange_move(const struct scene_state *q, const struct variable *state, double change,
+void model_exchange_move(const struct scene_instant *at, const struct variable *state, double change,
                          struct scene_jet *along);
 
 /* Returns the rate of a state, or the change of this rate along a path; NULL: no path. */

@@ -23,9 +23,12 @@ enum {
     TERMS = TERM_EVENT + SCENE_ANY_TURNING
 };
 
-/* The springs of a contact: xi of elastic friction [m], theta of elastic rolling and spinning [rad]. */
-struct springs {
-    struct vec3 of[OPPOSED];
+/* The integrals over an interval of time, or their integrands at an instant. */
+struct integrals {
+    double sum[TERMS];
+    double size[TERMS];     /* of the absolute terms of each integrand, for its rounding */
+    double lever[TERMS];    /* of d integrand / d force */
+    double passed[OPPOSED]; /* of all terms whose difference an opposed motion is [m, rad] */
 };
 
 /* A panel has the nodes of a Lobatto rule (math/node_tables.h), which include its ends: nothing that happens
@@ -33,61 +36,43 @@ struct springs {
 enum { PANEL_NODES = 8, PANEL_END = PANEL_NODES - 1 };
 #define PANEL_RULE (&lobatto[LOBATTO_EIGHT])
 
-/* A clock of a panel, the springs there, and the event functions of scene/ode.h. */
+/* A clock of a panel, the springs there (struct turning_state), and the event functions of scene/ode.h. */
 struct panel_node {
     double clock;
-    struct springs springs;
+    struct vec3 spring[OPPOSED];
     double events[ODE_EVENTS_EACH];
 };
 
-/* The integrals over an interval of time, by the Lobatto rule. The springs are found by collocation at the
- * nodes of this rule. Integrals and springs have the order 14 at the end of the panel. */
+/* A panel of the Lobatto rule. The springs are found by collocation at the nodes of this rule. Integrals and
+ * springs have the order 14 at the end of the panel. */
 struct panel {
-    double sum[TERMS];      /* the integrals */
-    double size[TERMS];     /* the integrals of the absolute terms of each integrand, for its rounding */
-    double lever[TERMS];    /* the integrals of d integrand / d force */
-    double passed[OPPOSED]; /* the integrals of all terms whose difference an opposed motion is [m, rad] */
-    double noise;           /* rounding of the force, the smaller of those at both ends [N] */
-    double tilt;            /* rounding of n, the smaller of those at both ends [rad] */
-    double depth;           /* penetration, the smaller of those at both ends [m] */
+    struct integrals of;
+    double noise; /* rounding of the force, the smaller of those at both ends [N] */
+    double tilt;  /* rounding of n, the smaller of those at both ends [rad] */
+    double depth; /* penetration, the smaller of those at both ends [m] */
     struct panel_node node[PANEL_NODES];
 };
 
-/* One contact over a length of time. Functions that compute an instant leave its clock and its springs in q;
- * the springs reached so far are those of the span. */
+/* One contact over a length of time. The clock and the springs of q show how far it has come. */
 struct span {
-    const struct scene_values *v;
     struct scene_state *q;
     int contact;
-    double sum[TERMS];      /* the integrals so far */
-    double size[TERMS];     /* the integrals of their absolute terms so far */
-    struct springs springs; /* at present */
-    bool has_events;        /* panels locate the events of law and friction */
-    long *panels;           /* panels that the quadrature may still make */
-    long *evaluations;      /* evaluations that the search for touches may still make; NULL: no search */
-    long panel_cost;        /* cost of a panel; 1: nothing turns about a changing direction, no spring */
+    struct integrals so_far;
+    bool has_events;   /* panels locate the events of law and friction */
+    long *panels;      /* panels that the quadrature may still make */
+    long *evaluations; /* evaluations that the search for touches may still make; NULL: no search */
+    long panel_cost;   /* cost of a panel; 1: nothing turns about a changing direction, no spring */
 };
 
 /* Cost of a panel with a spring, divided by the cost of a panel without. */
 enum { ELASTIC_PANEL = 3 };
 
-/* Takes the springs of q as those at present. */
-static void take_springs(struct span *s)
-{
-    if (SCENE_ANY_FRICTION) {
-        memcpy(s->springs.of, s->q->turning.spring[s->contact], sizeof s->springs.of);
-    }
-}
-
 static struct span span_of(struct scene_state *q, int contact, long *panels)
 {
-    struct span s = {.v = q->v,
-                     .q = q,
-                     .contact = contact,
-                     .panels = panels,
-                     .panel_cost = contact_has_springs(q->v, contact) ? ELASTIC_PANEL : 1};
-    take_springs(&s);
-    return s;
+    return (struct span){.q = q,
+                         .contact = contact,
+                         .panels = panels,
+                         .panel_cost = contact_has_springs(q->v, contact) ? ELASTIC_PANEL : 1};
 }
 
 static enum contact_regime regime_of(const struct span *s)
@@ -95,30 +80,25 @@ static enum contact_regime regime_of(const struct span *s)
     return (enum contact_regime)s->q->contact[s->contact].regime;
 }
 
-static void kinematics_at(const struct span *s, double clock, struct scene_instant *at)
+static void kinematics_at(const struct scene_state *q, double clock, struct scene_instant *at)
 {
-    scene_place_bodies(s->q, clock, at);
+    scene_place_bodies(q, clock, at);
     scene_meet(NULL, at);
 }
 
-/* Sets the clock of q, and the springs of the contact in q. */
-static void put_present(const struct span *s, double clock, const struct springs *springs)
-{
-    s->q->clock = clock;
-    if (SCENE_ANY_FRICTION) {
-        memcpy(s->q->turning.spring[s->contact], springs->of, sizeof springs->of);
-    }
-}
-
-/* Computes the instant of a contact in its present regimes, whose formulas hold smoothly beyond their
- * ends. */
-CONTACT_NOINLINE static void instant_at(const struct span *s, double clock, const struct springs *springs,
+/* Computes the instant of a contact with these springs in its present regimes, whose formulas hold smoothly
+ * beyond their ends. */
+CONTACT_NOINLINE static void instant_at(const struct span *s, double clock, const struct vec3 *spring,
                                         struct scene_instant *at)
 {
     bool met[SCENE_CONTACTS] = {false};
     met[s->contact] = true;
-    put_present(s, clock, springs);
-    scene_evaluate(s->q, clock, met, at);
+    scene_place_bodies(s->q, clock, at);
+    if (SCENE_ANY_FRICTION) {
+        memcpy(at->turning.spring[s->contact], spring, sizeof at->turning.spring[0]);
+    }
+    scene_meet(met, at);
+    scene_forces(met, at);
 }
 
 /* Sets the sum of the lengths of both lever arms [m]. Returns a bound of the speeds that the bodies'
@@ -126,12 +106,12 @@ CONTACT_NOINLINE static void instant_at(const struct span *s, double clock, cons
 static double speed_of_arms(const struct span *s, const struct scene_instant *at, double *arm)
 {
     const int j = s->contact;
-    if (!SCENE_ANY_TURNING || !scene_turns(s->v)) {
+    if (!SCENE_ANY_TURNING || !scene_turns(s->q->v)) {
         *arm = vec3_norm(at->separation[j]);
         return 0.0;
     }
     *arm = vec3_norm(at->turning.source_arm[j]) + vec3_norm(at->turning.destination_arm[j]);
-    if (contact_resists(s->v, j)) { /* |M| is at most F_n times these levers */
+    if (contact_resists(s->q->v, j)) { /* |M| is at most F_n times these levers */
         for (int i = 1; i < OPPOSED; ++i) {
             *arm += scene_friction_law(s->q, j, i).coefficient;
         }
@@ -139,38 +119,53 @@ static double speed_of_arms(const struct span *s, const struct scene_instant *at
     return *arm * turning_spin_size(at, j);
 }
 
-/* Sets the integrands (`rate`), the size of their terms (`scale`) and d integrand / d force (`lever`).
- * Returns the sum of the speeds whose difference is the slip [m/s]. */
-static double rates_at(const struct span *s, const struct scene_instant *at, double rate[TERMS],
-                       double scale[TERMS], double lever[TERMS])
+/* Returns the integrands at an instant. */
+static struct integrals integrands_at(const struct span *s, const struct scene_instant *at)
 {
+    struct integrals now = {.sum = {0.0}};
     const int j = s->contact;
     const struct contact_law law = scene_contact_law(s->q, j);
     const struct contact_geometry *g = &at->geometry[j];
     const double force = vec3_norm(at->source_force[j]);
     const struct contact_impulses impulse_rates = scene_impulse_rates(at, j);
     double arm;
-    memcpy(rate, &impulse_rates, TERM_DISSIPATED * sizeof *rate);
+    memcpy(now.sum, &impulse_rates, TERM_DISSIPATED * sizeof now.sum[0]);
     const double turning = speed_of_arms(s, at, &arm);
     const double speed = vec3_norm(at->velocity[contact_source(j)]) +
                          vec3_norm(at->velocity[contact_destination(j)]) + turning;
     for (int k = 0; k < TERMS; ++k) {
-        lever[k] = k < TERM_TORQUES ? 1.0 : k < TERM_DISSIPATED ? arm : k < TERM_EVENT ? speed : 0.0;
-        scale[k] = force * lever[k];
+        now.lever[k] = k < TERM_TORQUES ? 1.0 : k < TERM_DISSIPATED ? arm : k < TERM_EVENT ? speed : 0.0;
+        now.size[k] = force * now.lever[k];
+    }
+    for (int k = 0; SCENE_ANY_TURNING && k < OPPOSED; ++k) {
+        now.passed[k] = k == OPPOSED_SLIP ? speed : scene_turns(s->q->v) ? turning_spin_size(at, j) : 0.0;
     }
     if (SCENE_ANY_FREE) {
         const struct scene_powers power = scene_powers_of_contact(at, j);
-        memcpy(rate + TERM_DISSIPATED, &power, sizeof power);
+        memcpy(now.sum + TERM_DISSIPATED, &power, sizeof power);
         /* the spring loses energy also while the force is clipped to zero */
-        scale[TERM_DISSIPATED] += fabs(contact_stored_slope(&law, regime_of(s), g->gap)) * speed;
+        now.size[TERM_DISSIPATED] += fabs(contact_stored_slope(&law, regime_of(s), g->gap)) * speed;
     }
     if (SCENE_ANY_TURNING) {
-        const struct contact_slopes slopes = contact_event_slopes(&law, regime_of(s), g->gap, g->gap_rate);
-        const bool ends = scene_turns(s->v) && contact_has_events(&law);
-        rate[TERM_EVENT] = ends ? contact_event(&law, regime_of(s), g->gap, g->gap_rate) : 0.0;
-        scale[TERM_EVENT] = fabs(slopes.by_gap * g->gap) + fabs(slopes.by_rate) * speed;
+        const struct contact_slopes slopes = contact_event_slopes(&law, regime_of(s));
+        const bool ends = scene_turns(s->q->v) && contact_has_events(&law);
+        now.sum[TERM_EVENT] = ends ? contact_event(&law, regime_of(s), g->gap, g->gap_rate) : 0.0;
+        now.size[TERM_EVENT] = fabs(slopes.by_gap * g->gap) + fabs(slopes.by_rate) * speed;
     }
-    return speed;
+    return now;
+}
+
+/* Adds integrals, or integrands times a length of time. */
+static void add_integrals(struct integrals *to, double weight, const struct integrals *more)
+{
+    for (int k = 0; k < TERMS; ++k) {
+        to->sum[k] += weight * more->sum[k];
+        to->size[k] += weight * more->size[k];
+        to->lever[k] += weight * more->lever[k];
+    }
+    for (int k = 0; SCENE_ANY_TURNING && k < OPPOSED; ++k) {
+        to->passed[k] += weight * more->passed[k];
+    }
 }
 
 /* Returns the integral from 0 to a node of the polynomial that is 1 at node `of` and 0 at the other nodes of
@@ -291,14 +286,14 @@ static bool put_spring(const struct span *s, int part, struct panel *panel)
                                .length = panel->node[PANEL_END].clock - panel->node[0].clock};
     for (int i = 0; i < PANEL_NODES; ++i) {
         struct scene_instant at;
-        instant_at(s, panel->node[i].clock, &panel->node[0].springs, &at);
+        instant_at(s, panel->node[i].clock, panel->node[0].spring, &at);
         p.node[i] = (struct spring_node){.rubbing = turning_rubbing(&at, j, part),
                                          .normal = at.geometry[j].normal,
                                          .normal_rate = turning_normal_rate(&at, j)};
     }
     const bool solved = solve_spring(&p);
     for (int i = 0; i < PANEL_NODES; ++i) {
-        panel->node[i].springs.of[part] = p.node[i].rubbing.spring;
+        panel->node[i].spring[part] = p.node[i].rubbing.spring;
     }
     return solved;
 }
@@ -312,9 +307,10 @@ static double relative_speed(const struct span *s, const struct scene_instant *a
 {
     const int j = s->contact;
     const double speed = vec3_norm(at->rate[j]);
-    return scene_turns(s->v) ? speed + vec3_norm(at->turning.body[contact_destination(j)].angular_velocity) *
-                                           vec3_norm(at->separation[j])
-                             : speed;
+    return scene_turns(s->q->v)
+               ? speed + vec3_norm(at->turning.body[contact_destination(j)].angular_velocity) *
+                             vec3_norm(at->separation[j])
+               : speed;
 }
 
 /* Sets the event functions of the contact (scene/ode.h) at the present instant of q, raised by their
@@ -327,7 +323,7 @@ static void put_events(const struct span *s, const struct scene_instant *at, dou
     for (int i = 0; i < ODE_EVENTS_EACH; ++i) {
         events[i] = 1.0;
     }
-    if (SCENE_ANY_FRICTION && contact_rubs(s->v, j) && contact_transmits(s->q, j)) {
+    if (SCENE_ANY_FRICTION && contact_rubs(s->q->v, j) && contact_transmits(s->q, j)) {
         double offset[ODE_EVENTS_EACH];
         const double of_slip = error + SPEED_ROUNDINGS * vec3_norm(at->turning.slip[j]);
         turning_friction_events(at, j, of_slip, SPEED_ROUNDINGS, 0.0, offset, events);
@@ -342,36 +338,25 @@ static void put_events(const struct span *s, const struct scene_instant *at, dou
 /* Computes a panel; false where Newton's method finds no spring because the panel is too long. The bodies'
  * motion is prescribed, so that no spring acts on another: they are solved one by one. */
 CONTACT_NOINLINE static bool panel_make(const struct span *s, double from, double to,
-                                        const struct springs *springs, struct panel *panel)
+                                        const struct vec3 *spring, struct panel *panel)
 {
     const double length = to - from;
     *panel = (struct panel){.noise = (double)INFINITY, .tilt = (double)INFINITY, .depth = (double)INFINITY};
     for (int i = 0; i < PANEL_NODES; ++i) {
         panel->node[i].clock = i < PANEL_END ? from + 0.5 * length * (1.0 + PANEL_RULE->node[i]) : to;
-        panel->node[i].springs = *springs;
+        memcpy(panel->node[i].spring, spring, sizeof panel->node[i].spring);
     }
     for (int k = 0; k < OPPOSED; ++k) {
-        if (contact_has_spring(s->v, s->contact, k) && !put_spring(s, k, panel)) {
+        if (contact_has_spring(s->q->v, s->contact, k) && !put_spring(s, k, panel)) {
             return false;
         }
     }
     for (int i = 0; i < PANEL_NODES; ++i) {
         struct panel_node *node = &panel->node[i];
         struct scene_instant at;
-        double rate[TERMS];
-        double scale[TERMS];
-        double lever[TERMS];
-        const double weight = length * panel_integral(PANEL_END, i);
-        instant_at(s, node->clock, &node->springs, &at);
-        const double speed = rates_at(s, &at, rate, scale, lever);
-        for (int k = 0; SCENE_ANY_TURNING && k < OPPOSED; ++k) {
-            panel->passed[k] += weight * (k == OPPOSED_SLIP ? speed : turning_spin_size(&at, s->contact));
-        }
-        for (int k = 0; k < TERMS; ++k) {
-            panel->sum[k] += weight * rate[k];
-            panel->size[k] += weight * scale[k];
-            panel->lever[k] += weight * lever[k];
-        }
+        instant_at(s, node->clock, node->spring, &at);
+        const struct integrals now = integrands_at(s, &at);
+        add_integrals(&panel->of, length * panel_integral(PANEL_END, i), &now);
         if (i % PANEL_END == 0) {
             panel->noise = fmin(panel->noise, rounding_of_force(&at, s->contact));
             panel->tilt = fmin(panel->tilt, rounding_of_normal(&at, s->contact));
@@ -397,25 +382,24 @@ CONTACT_NOINLINE static bool panel_make(const struct span *s, double from, doubl
 static const double TILT_NEAR = 1e-3;
 static const double TILT_LAYING = 1e-6;
 
-/* Lays the springs across or along the normal at a clock (opposed_laid): they lose a part that is rounding.
- * Near the centre n is less exact than the springs, which stay as they are. */
-static void lay_springs(struct span *s, double clock)
+/* Lays the springs of a contact across or along its present normal (opposed_laid): they lose a part that is
+ * rounding. Near the centre n is less exact than the springs, which stay as they are. */
+static void lay_springs(struct scene_state *q, int contact)
 {
     struct scene_instant at;
-    instant_at(s, clock, &s->springs, &at);
-    const bool is_noise = rounding_of_normal(&at, s->contact) > TILT_LAYING;
-    for (int i = 0; i < OPPOSED && !is_noise; ++i) {
-        s->springs.of[i] = opposed_laid((enum opposed)i, s->springs.of[i], at.geometry[s->contact].normal);
+    kinematics_at(q, q->clock, &at);
+    const bool is_noise = rounding_of_normal(&at, contact) > TILT_LAYING;
+    for (int i = 0; SCENE_ANY_FRICTION && i < OPPOSED && !is_noise; ++i) {
+        struct vec3 *spring = &q->turning.spring[contact][i];
+        *spring = opposed_laid((enum opposed)i, *spring, at.geometry[contact].normal);
     }
 }
 
 void prescribed_lay_springs(struct scene_state *q)
 {
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        struct span s = span_of(q, j, NULL);
-        if (contact_has_springs(q->v, j) && regime_of(&s) != REGIME_APART) {
-            lay_springs(&s, q->clock);
-            put_present(&s, q->clock, &s.springs);
+        if (contact_has_springs(q->v, j) && q->contact[j].regime != (int32_t)REGIME_APART) {
+            lay_springs(q, j);
         }
     }
 }
@@ -433,24 +417,14 @@ static int event_passed(const struct panel_node *now, const struct panel_node *s
     return ODE_EVENT_GAP;
 }
 
-/* Puts the law into a regime at a clock, and friction after it. */
-static void take_regime(struct span *s, double clock, enum contact_regime regime)
-{
-    put_present(s, clock, &s->springs);
-    transition_set_regime(s->q, s->contact, regime);
-    take_springs(s);
-}
-
 /* Sets the regimes and springs after an event. */
-static void take_regime_event(struct span *s, double clock, int event)
+static void take_event_of(const struct span *s, int event)
 {
     const struct contact_law law = scene_contact_law(s->q, s->contact);
     if (event == ODE_EVENT_LAW) {
-        take_regime(s, clock, contact_regime_after(&law, regime_of(s)));
+        transition_set_regime(s->q, s->contact, contact_regime_after(&law, regime_of(s)));
     } else if (SCENE_ANY_FRICTION) {
-        put_present(s, clock, &s->springs);
         turning_take_event(s->q, s->contact, (enum ode_event)event);
-        take_springs(s);
     }
 }
 
@@ -471,13 +445,13 @@ static bool springs_agree(const struct span *s, int part, const struct panel *wh
                           const struct panel *right)
 {
     const struct friction_law law = scene_friction_law(s->q, s->contact, part);
-    const struct vec3 spring = right->node[PANEL_END].springs.of[part];
+    const struct vec3 spring = right->node[PANEL_END].spring[part];
     const double length = whole->node[PANEL_END].clock - whole->node[0].clock;
     const double by_force = fmin(1.0 / friction_stiffness(&law, whole->depth), length / law.damping);
     const double noise = law.coefficient * fmin(left->noise, right->noise) * by_force +
                          vec3_norm(spring) * fmin(left->tilt, right->tilt);
-    return vec3_norm(vec3_sub(spring, whole->node[PANEL_END].springs.of[part])) <=
-           4.0 * PANELS_AGREE * (vec3_norm(spring) + whole->passed[part]) + noise;
+    return vec3_norm(vec3_sub(spring, whole->node[PANEL_END].spring[part])) <=
+           4.0 * PANELS_AGREE * (vec3_norm(spring) + whole->of.passed[part]) + noise;
 }
 
 /* Whether a panel and its halves agree. Near the centre n may be mere rounding at one or both ends of the
@@ -488,69 +462,78 @@ CONTACT_NOINLINE static bool panels_agree(const struct span *s, const struct pan
 {
     const double noise = fmin(left->noise, right->noise);
     for (int k = 0; k < TERMS; ++k) {
-        const double size = left->size[k] + right->size[k];
-        const double allowed =
-            SCENE_ANY_TURNING && k == TERM_EVENT
-                ? EVENTS_AGREE * size + DBL_MIN
-                : PANELS_AGREE * size + noise * whole->lever[k] + JUMPS_AGREE * s->size[k] + DBL_MIN;
+        const double size = left->of.size[k] + right->of.size[k];
+        const double allowed = SCENE_ANY_TURNING && k == TERM_EVENT
+                                   ? EVENTS_AGREE * size + DBL_MIN
+                                   : PANELS_AGREE * size + noise * whole->of.lever[k] +
+                                         JUMPS_AGREE * s->so_far.size[k] + DBL_MIN;
         const bool overflows = isinf(size); /* a torque may overflow; shorter panels do not help */
-        if (!overflows && !(fabs(left->sum[k] + right->sum[k] - whole->sum[k]) <= allowed)) {
+        if (!overflows && !(fabs(left->of.sum[k] + right->of.sum[k] - whole->of.sum[k]) <= allowed)) {
             return false;
         }
     }
     for (int i = 0; i < OPPOSED; ++i) {
-        if (contact_has_spring(s->v, s->contact, i) && !springs_agree(s, i, whole, left, right)) {
+        if (contact_has_spring(s->q->v, s->contact, i) && !springs_agree(s, i, whole, left, right)) {
             return false;
         }
     }
     return true;
 }
 
-/* Makes both halves of a panel. Returns false where they do not agree with the whole. */
-static bool make_halves(const struct span *s, double from, double to, struct panel *left, struct panel *right)
+/* Makes both halves of the panel from the present to a clock. Returns false where they do not agree with the
+ * whole. */
+static bool make_halves(const struct span *s, double to, struct panel half[2])
 {
+    const double from = s->q->clock;
     const double middle = 0.5 * (from + to);
+    const struct vec3 *spring = s->q->turning.spring[s->contact];
     struct panel whole;
-    return panel_make(s, from, to, &s->springs, &whole) && panel_make(s, from, middle, &s->springs, left) &&
-           panel_make(s, middle, to, &left->node[PANEL_END].springs, right) &&
-           panels_agree(s, &whole, left, right);
+    return panel_make(s, from, to, spring, &whole) && panel_make(s, from, middle, spring, &half[0]) &&
+           panel_make(s, middle, to, half[0].node[PANEL_END].spring, &half[1]) &&
+           panels_agree(s, &whole, &half[0], &half[1]);
 }
 
 /* Parts of a panel in the search for peaks. Each half of a panel has eight nodes, so that no quantity has two
  * extrema within a quarter of the panel. */
 enum { PANEL_PARTS = 4 };
 
-CONTACT_NOINLINE static void note_peaks_between(const struct span *s, double from, double to)
+/* Adds panels to the integrals, notes their peaks, and moves the clock and the springs to their end. */
+CONTACT_NOINLINE static void take_panels(struct span *s, const struct panel *panel, int count)
 {
-    struct scene_output output = {.state = s->q, .contact = s->contact};
-    scene_output_note_peaks(&output, from, to, PANEL_PARTS, &s->q->contact[s->contact].peaks);
+    struct scene_state *q = s->q;
+    struct scene_output output = {.state = q, .contact = s->contact};
+    const struct panel_node *end = &panel[count - 1].node[PANEL_END];
+    for (int i = 0; i < count; ++i) {
+        add_integrals(&s->so_far, 1.0, &panel[i].of);
+    }
+    scene_output_note_peaks(&output, q->clock, end->clock, PANEL_PARTS, &q->contact[s->contact].peaks);
     if (SCENE_ANY_FREE) {
-        counter_add(&s->q->counters.force_evaluations, PANEL_PARTS + 1);
+        counter_add(&q->counters.force_evaluations, PANEL_PARTS + 1);
     }
-}
-
-/* Adds a panel to the integrals, and moves the springs to its end. */
-static void add_panel(struct span *s, const struct panel *panel)
-{
-    for (int k = 0; k < TERMS; ++k) {
-        s->sum[k] += panel->sum[k];
-        s->size[k] += panel->size[k];
+    q->clock = end->clock;
+    if (SCENE_ANY_FRICTION) {
+        memcpy(q->turning.spring[s->contact], end->spring, sizeof end->spring);
     }
-    s->springs = panel->node[PANEL_END].springs;
 }
 
 /* Number of nodes in both halves of a panel, which share one. */
 enum { PANEL_PLACES = 2 * PANEL_NODES - 1 };
 
+static const struct panel_node *panel_node_at(const struct panel half[2], int place)
+{
+    return place < PANEL_NODES ? &half[0].node[place] : &half[1].node[place - PANEL_END];
+}
+
 /* Whether an event function may fall below zero between the nodes and rise again, which shorter panels show.
  * The functions of sticking may jump and are not looked at. */
-static bool events_may_dip(const struct panel_node *const place[PANEL_PLACES])
+static bool events_may_dip(const struct panel half[2])
 {
     for (int i = 2; i < PANEL_PLACES; ++i) {
         for (int event = ODE_EVENT_LAW; event < ODE_EVENT_ZONE; ++event) {
             struct root_place of[3];
             for (int k = 0; k < 3; ++k) {
-                of[k] = (struct root_place){place[i - 2 + k]->clock, place[i - 2 + k]->events[event]};
+                const struct panel_node *node = panel_node_at(half, i - 2 + k);
+                of[k] = (struct root_place){node->clock, node->events[event]};
             }
             if (event != (int)ode_stick_event(ode_event_part((enum ode_event)event)) && root_may_dip(of)) {
                 return true;
@@ -561,10 +544,10 @@ static bool events_may_dip(const struct panel_node *const place[PANEL_PLACES])
 }
 
 /* Returns the first node of a panel before which a regime ends, or PANEL_PLACES if none does. */
-static int place_passed(const struct panel_node *const place[PANEL_PLACES])
+static int place_passed(const struct panel half[2])
 {
     int i = 1;
-    while (i < PANEL_PLACES && event_passed(place[i], place[0]) == ODE_EVENT_GAP) {
+    while (i < PANEL_PLACES && event_passed(panel_node_at(half, i), &half[0].node[0]) == ODE_EVENT_GAP) {
         ++i;
     }
     return i;
@@ -581,49 +564,47 @@ static bool panel_to_event(const struct span *s, const struct panel_node *start,
     int made = 0;
     while (after - before > 4.0 * DBL_EPSILON * fabs(after)) {
         struct scene_instant at;
-        struct panel_node now = {.clock = 0.5 * (before + after), .springs = s->springs};
+        struct panel_node now = {.clock = 0.5 * (before + after)};
+        const struct vec3 *spring = start->spring;
         if (!(now.clock > before && now.clock < after)) {
             break;
         }
         /* Where friction without a dashpot vanishes with F_n, its spring turns ever faster, and not every
          * panel beyond the event can be made. The events there do not depend on the spring. */
-        if (contact_has_springs(s->v, s->contact)) {
+        if (contact_has_springs(s->q->v, s->contact)) {
             made += 1;
-            now.springs = panel_make(s, start->clock, now.clock, &s->springs, panel)
-                              ? panel->node[PANEL_END].springs
-                              : s->springs;
+            spring = panel_make(s, start->clock, now.clock, spring, panel) ? panel->node[PANEL_END].spring
+                                                                           : spring;
         }
-        instant_at(s, now.clock, &now.springs, &at);
+        instant_at(s, now.clock, spring, &at);
         put_events(s, &at, now.events);
         *(event_passed(&now, start) != ODE_EVENT_GAP ? &after : &before) = now.clock;
     }
     *s->panels -= made * s->panel_cost / PANELS_COMPARED;
-    return panel_make(s, start->clock, after, &s->springs, panel);
+    return panel_make(s, start->clock, after, start->spring, panel);
 }
 
 /* Integrates up to the event before a node of a panel and changes the regime. Returns false where no panel
  * that ends at the event can be made, or where its halves do not agree with it: without a dashpot a spring of
  * friction turns fast where F_n vanishes at the event. A shorter panel may be possible. */
-static bool pass_event(struct span *s, const struct panel_node *const place[PANEL_PLACES], int passed,
-                       double *clock)
+static bool pass_event(struct span *s, const struct panel half[2], int passed)
 {
     struct panel panel;
-    struct panel left;
-    struct panel right;
+    struct panel parts[2];
+    const struct panel_node *start = &half[0].node[0];
     const struct panel_node *end = &panel.node[PANEL_END];
-    if (!panel_to_event(s, place[0], place[passed - 1]->clock, place[passed]->clock, &panel)) {
+    const double before = panel_node_at(half, passed - 1)->clock;
+    if (!panel_to_event(s, start, before, panel_node_at(half, passed)->clock, &panel)) {
         return false;
     }
-    const int event = event_passed(end, place[0]);
+    const int event = event_passed(end, start);
     if (event == ODE_EVENT_GAP ||
-        (contact_has_springs(s->v, s->contact) && !make_halves(s, *clock, end->clock, &left, &right))) {
+        (contact_has_springs(s->q->v, s->contact) && !make_halves(s, end->clock, parts))) {
         return false;
     }
-    add_panel(s, &panel);
-    note_peaks_between(s, *clock, end->clock);
-    *clock = end->clock;
-    lay_springs(s, *clock);
-    take_regime_event(s, *clock, event);
+    take_panels(s, &panel, 1);
+    lay_springs(s->q, s->contact);
+    take_event_of(s, event);
     counter_add(&s->q->counters.events, 1);
     return true;
 }
@@ -643,7 +624,7 @@ struct passage {
 
 static bool comes_near(const struct span *s, double clock, struct scene_instant *at)
 {
-    kinematics_at(s, clock, at);
+    kinematics_at(s->q, clock, at);
     return rounding_of_normal(at, s->contact) > TILT_NEAR;
 }
 
@@ -651,7 +632,7 @@ static bool comes_near(const struct span *s, double clock, struct scene_instant 
 static double centre_left(const struct span *s, double clock)
 {
     struct scene_instant at;
-    kinematics_at(s, clock, &at);
+    kinematics_at(s->q, clock, &at);
     double time = rounding_of_gap(&at, s->contact) / (TILT_NEAR * relative_speed(s, &at));
     for (int i = 0; i < LEAVING_DOUBLINGS; ++i) {
         if (!comes_near(s, clock + time, &at)) {
@@ -662,11 +643,12 @@ static double centre_left(const struct span *s, double clock)
     return (double)INFINITY;
 }
 
-/* Whether the source passes through the centre between two clocks. Bisects until the clock at which it comes
- * near the centre, or n ceases to be within 90 degrees of its start, is known to rounding. */
-static bool finds_passage(const struct span *s, double clock, double to, struct passage *passage)
+/* Whether the source passes through the centre up to a clock. Bisects until the clock at which it comes near
+ * the centre, or n ceases to be within 90 degrees of its start, is known to rounding. */
+static bool finds_passage(const struct span *s, double to, struct passage *passage)
 {
     const int j = s->contact;
+    const double clock = s->q->clock;
     struct scene_instant at;
     if (!SCENE_ANY_CURVED || body_shape(contact_destination(j)) == SHAPE_PLANE) {
         return false;
@@ -701,14 +683,15 @@ static bool finds_passage(const struct span *s, double clock, double to, struct 
 static int zone_at(const struct span *s, double clock)
 {
     struct scene_instant at;
-    kinematics_at(s, clock, &at);
+    kinematics_at(s->q, clock, &at);
     return at.geometry[s->contact].zone;
 }
 
-/* Returns the clock at which a panel from `clock` to `to` has to end, so that the source stays in one zone:
- * the curvature of the gap's path jumps at the edge of two. */
-static double zone_left(const struct span *s, double clock, double to)
+/* Returns the clock at which a panel up to `to` has to end, so that the source stays in one zone: the
+ * curvature of the gap's path jumps at the edge of two. */
+static double zone_left(const struct span *s, double to)
 {
+    const double clock = s->q->clock;
     const int zone = zone_at(s, clock);
     double before = clock;
     double after = 0.5 * (clock + to);
@@ -731,91 +714,80 @@ static double zone_left(const struct span *s, double clock, double to)
 static void add_instant(struct span *s, double clock, double time)
 {
     struct scene_instant at;
-    double rate[TERMS];
-    double scale[TERMS];
-    double lever[TERMS];
-    instant_at(s, clock, &s->springs, &at);
-    (void)rates_at(s, &at, rate, scale, lever);
+    instant_at(s, clock, s->q->turning.spring[s->contact], &at);
+    const struct integrals now = integrands_at(s, &at);
     contact_peaks_note(&s->q->contact[s->contact].peaks, scene_outward_force(&at, s->contact),
                        -at.geometry[s->contact].gap);
-    for (int k = 0; k < TERMS; ++k) {
-        s->sum[k] += time * rate[k];
-        s->size[k] += time * scale[k];
-    }
+    add_integrals(&s->so_far, time, &now);
 }
 
-/* Adds the integrals of a passage from a clock shortly before it. Sets the regimes behind the centre. */
-CONTACT_COLD static void pass_centre(struct span *s, double clock, double end, const struct passage *passage)
+/* Adds the integrals of a passage through the centre that begins less than its own length after the present.
+ * Sets the regimes behind the centre. */
+CONTACT_COLD static void pass_centre(struct span *s, double end, const struct passage *passage)
 {
+    struct scene_state *q = s->q;
     const double to = fmin(passage->to, end);
     const double centre = fmin(passage->centre, to);
     struct scene_instant at;
-    add_instant(s, clock, centre - clock);
+    add_instant(s, q->clock, centre - q->clock);
     add_instant(s, centre, 0.0); /* the deepest place */
-    lay_springs(s, to);
-    kinematics_at(s, to, &at);
-    take_regime(s, to, scene_regime(&at, s->contact, false));
+    q->clock = to;
+    lay_springs(q, s->contact);
+    kinematics_at(s->q, to, &at);
+    transition_set_regime(q, s->contact, scene_regime(&at, s->contact, false));
     add_instant(s, to, to - centre);
-    counter_add(&s->q->counters.events, 1);
+    counter_add(&q->counters.events, 1);
 }
 
-/* Adds the integrals between two clocks, between which the bodies touch. Returns the clock reached, which
- * lies before `end` where no panels are left. */
-CONTACT_NOINLINE static double integrate_between(struct span *s, double from, double end)
+/* Integrates from the present to the clock `end`; the bodies touch until then. Returns false where no panels
+ * are left, at the clock reached. */
+CONTACT_NOINLINE static bool integrate_between(struct span *s, double end)
 {
-    const struct contact_law law = scene_contact_law(s->q, s->contact);
-    double clock = from;
-    double width = end - from;
-    s->has_events = s->evaluations != NULL && (contact_has_events(&law) || contact_rubs(s->v, s->contact));
-    while (clock < end) {
+    struct scene_state *q = s->q;
+    const struct contact_law law = scene_contact_law(q, s->contact);
+    const bool is_located = s->evaluations != NULL;
+    double width = end - q->clock;
+    s->has_events = is_located && (contact_has_events(&law) || contact_rubs(q->v, s->contact));
+    while (q->clock < end) {
         if (*s->panels < s->panel_cost) {
-            return clock;
+            return false;
         }
         *s->panels -= s->panel_cost;
-        double to = width < end - clock ? clock + width : end;
+        double to = width < end - q->clock ? q->clock + width : end;
         struct passage passage;
-        if (SCENE_ANY_ZONES && s->evaluations != NULL) {
-            to = zone_left(s, clock, to);
+        if (SCENE_ANY_ZONES && is_located) {
+            to = zone_left(s, to);
         }
-        if (s->evaluations != NULL && finds_passage(s, clock, to, &passage)) {
-            if (!(passage.from - clock > passage.to - passage.from)) {
-                pass_centre(s, clock, end, &passage);
-                clock = fmin(passage.to, end);
+        if (is_located && finds_passage(s, to, &passage)) {
+            if (!(passage.from - q->clock > passage.to - passage.from)) {
+                pass_centre(s, end, &passage);
                 continue;
             }
             to = passage.from;
         }
-        const double middle = 0.5 * (clock + to);
-        if (!(middle > clock && middle < to)) { /* one rounding of the clock: the integrals are zero */
+        const double middle = 0.5 * (q->clock + to);
+        if (!(middle > q->clock && middle < to)) { /* one rounding of the clock: the integrals are zero */
             width *= 2.0;
-            clock = to;
+            q->clock = to;
             continue;
         }
-        struct panel left;
-        struct panel right;
-        const struct panel_node *place[PANEL_PLACES];
-        for (int i = 0; i < PANEL_PLACES; ++i) {
-            place[i] = i < PANEL_NODES ? &left.node[i] : &right.node[i - PANEL_END];
-        }
-        if (!make_halves(s, clock, to, &left, &right) || (s->has_events && events_may_dip(place))) {
-            width = 0.5 * (to - clock);
+        struct panel half[2];
+        if (!make_halves(s, to, half) || (s->has_events && events_may_dip(half))) {
+            width = 0.5 * (to - q->clock);
             continue;
         }
-        const int passed = s->has_events ? place_passed(place) : PANEL_PLACES;
+        const int passed = s->has_events ? place_passed(half) : PANEL_PLACES;
         if (passed < PANEL_PLACES) {
-            width = pass_event(s, place, passed, &clock) ? 2.0 * width : 0.5 * (to - clock);
+            width = pass_event(s, half, passed) ? 2.0 * width : 0.5 * (to - q->clock);
             continue;
         }
         width *= 2.0;
-        add_panel(s, &left);
-        add_panel(s, &right);
-        note_peaks_between(s, clock, to);
-        clock = to;
-        if (s->evaluations != NULL) {
-            lay_springs(s, clock);
+        take_panels(s, half, 2);
+        if (is_located) {
+            lay_springs(q, s->contact);
         }
     }
-    return clock;
+    return true;
 }
 
 /* Adds the integrals of a span to the impulses and energies of the scene. */
@@ -824,18 +796,16 @@ static void book_span(const struct span *s)
     struct scene_state *q = s->q;
     struct contact_state *state = &q->contact[s->contact];
     struct contact_impulses *sum = &state->physics.impulse;
-    sum->force = vec3_add(sum->force, vec3_from(s->sum));
+    const double *of = s->so_far.sum;
+    sum->force = vec3_add(sum->force, vec3_from(of));
     if (SCENE_ANY_TURNING) {
-        sum->destination_torque = vec3_add(sum->destination_torque, vec3_from(s->sum + TERM_TORQUES));
-        sum->source_torque = vec3_add(sum->source_torque, vec3_from(s->sum + TERM_TORQUES + 3));
+        sum->destination_torque = vec3_add(sum->destination_torque, vec3_from(of + TERM_TORQUES));
+        sum->source_torque = vec3_add(sum->source_torque, vec3_from(of + TERM_TORQUES + 3));
     }
     if (SCENE_ANY_FREE) {
-        q->dissipated += s->sum[TERM_DISSIPATED];
-        q->external_work += s->sum[TERM_DISSIPATED + 1];
-        q->friction_energy += s->sum[TERM_DISSIPATED + 2];
-    }
-    if (scene_turns(s->v)) {
-        put_present(s, q->clock, &s->springs);
+        q->dissipated += of[TERM_DISSIPATED];
+        q->external_work += of[TERM_DISSIPATED + 1];
+        q->friction_energy += of[TERM_DISSIPATED + 2];
     }
 }
 
@@ -858,9 +828,10 @@ double prescribed_integrate(struct scene_state *q, double end, long *budget)
         if (!contact_is_prescribed(q->v, j) || q->contact[j].regime == (int32_t)REGIME_APART) {
             continue;
         }
-        const double reached = integrate_between(&span[j], start, end);
+        const bool is_whole = integrate_between(&span[j], end);
+        const double reached = q->clock;
         q->clock = start;
-        if (reached < end) {
+        if (!is_whole) {
             long anew = PRESCRIBED_PANELS;
             for (int k = 0; k < SCENE_CONTACTS; ++k) {
                 q->contact[k].peaks = before[k];
@@ -885,13 +856,14 @@ enum { TUMBLING_EVALUATION = 20 };
 
 /* Sets *next to the clock of the next touch or parting, or to `end`. Returns false where the evaluations that
  * the step may take (*s->evaluations) are used up. */
-static bool finds_change(const struct span *s, double clock, double end, double *next)
+static bool finds_change(const struct span *s, double end, double *next)
 {
     struct scene_instant at;
+    const double clock = s->q->clock;
     if (*s->evaluations <= 0) {
         return false;
     }
-    kinematics_at(s, clock, &at);
+    kinematics_at(s->q, clock, &at);
     const struct advancement_path path = advancement_path_of(&at, clock, s->contact);
     const struct advancement_result found = advancement_first(&path, end - clock, *s->evaluations);
     *s->evaluations -= found.evaluations;
@@ -901,45 +873,55 @@ static bool finds_change(const struct span *s, double clock, double end, double 
 
 /* Begins or ends contact. Energy that is stored there other than zero, as at the end of a finite cylinder or
  * by a jump of the regime, counts as dissipated. */
-static void change_contact(struct span *s, double clock)
+static void change_contact(struct span *s)
 {
     struct scene_instant at;
     const int j = s->contact;
     const bool touches = regime_of(s) != REGIME_APART;
     const struct contact_law law = scene_contact_law(s->q, j);
-    kinematics_at(s, clock, &at);
+    kinematics_at(s->q, s->q->clock, &at);
     if (SCENE_ANY_FREE) {
         const double stored = contact_stored_energy(&law, REGIME_COMPRESSION, fmin(at.geometry[j].gap, 0.0));
-        s->sum[TERM_DISSIPATED] += touches ? stored : -stored;
+        s->so_far.sum[TERM_DISSIPATED] += touches ? stored : -stored;
     }
-    if (touches) {
-        take_regime(s, clock, REGIME_APART);
-    } else {
-        (void)onset_note(s->q, &at, j, REGIME_COMPRESSION); /* sets the dashpot of the contact */
-        take_regime(s, clock, scene_regime(&at, j, true));
-    }
+    const enum contact_regime next = touches ? REGIME_APART : scene_regime(&at, j, true);
+    transition_set_regime(s->q, j, onset_note(s->q, &at, j, next)); /* a touch sets the dashpot */
     counter_add(&s->q->counters.events, 1);
 }
 
 /* Integrates from touch to parting to touch. */
-static bool integrate_located(struct span *s, double clock, double end)
+static bool integrate_located(struct span *s, double end)
 {
-    while (clock < end) {
+    while (s->q->clock < end) {
         double next;
         if ((*s->panels)-- <= 0 || /* each change costs a panel, so that the loop ends */
-            !finds_change(s, clock, end, &next) ||
-            (regime_of(s) != REGIME_APART && integrate_between(s, clock, next) < next)) {
+            !finds_change(s, end, &next) || (regime_of(s) != REGIME_APART && !integrate_between(s, next))) {
             return false;
         }
+        s->q->clock = next;
         if (next < end) {
-            change_contact(s, next);
+            change_contact(s);
         }
-        clock = next;
     }
     return true;
 }
 
-/* Steps of turning_prescribed_steps that cost as much as the rest of a panel. */
+/* Returns about how many steps of a series the prescribed rotations take over `length` seconds: none where
+ * the direction of rotation is constant, else one for each radian. */
+static double steps_of_rotations(const struct scene_state *q, double length)
+{
+    double steps = 0.0;
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        const struct vec3 *omega = q->path[i].angular_velocity;
+        if (body_turn_is_prescribed(q->v, i) && !path_is_steady(omega, 3)) {
+            steps += length * (vec3_norm(omega[0]) +
+                               length * (vec3_norm(omega[1]) / 2.0 + length * vec3_norm(omega[2]) / 3.0));
+        }
+    }
+    return steps;
+}
+
+/* Steps of steps_of_rotations that cost as much as the rest of a panel. */
 static const double STEPS_OF_PANEL = 5.0;
 
 #if !SCENE_ANY_FREE
@@ -970,9 +952,9 @@ void prescribed_begin(struct scene_state *q)
 static bool is_steady(const struct span *s)
 {
     struct scene_instant at;
-    kinematics_at(s, s->q->clock, &at);
+    kinematics_at(s->q, s->q->clock, &at);
     const struct separation_path path = separation_path_of(&at, s->q->clock, s->contact);
-    return !scene_turns(s->v) && path_is_steady(path.c, SEPARATION_DEGREE + 1) &&
+    return !scene_turns(s->q->v) && path_is_steady(path.c, SEPARATION_DEGREE + 1) &&
            path_is_steady(path.w, SEPARATION_DEGREE);
 }
 
@@ -980,7 +962,7 @@ bool prescribed_over(struct scene_state *q, double length, long panels)
 {
     const double start = q->clock;
     const double end = start + length;
-    const double steps = SCENE_ANY_TURNING ? turning_prescribed_steps(q, end) : 0.0;
+    const double steps = SCENE_ANY_TURNING ? steps_of_rotations(q, end) : 0.0;
     long evaluations = steps > 0.0 ? SEARCH_BUDGET / TUMBLING_EVALUATION : SEARCH_BUDGET;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         struct span s = span_of(q, j, &panels);
@@ -993,7 +975,7 @@ bool prescribed_over(struct scene_state *q, double length, long panels)
             if (regime_of(&s) != REGIME_APART) {
                 add_instant(&s, start, length);
             }
-        } else if (!integrate_located(&s, start, end)) {
+        } else if (!integrate_located(&s, end)) {
             return false;
         }
         q->clock = start;

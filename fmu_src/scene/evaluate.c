@@ -1,6 +1,5 @@
 #include <float.h>
 #include <math.h>
-#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -85,7 +84,8 @@ struct vec3 scene_lever(const struct scene_instant *at, int contact, int end)
                              end == 0 ? contact_source_part(contact) : contact_destination_part(contact));
 }
 
-bool scene_stiffens(const struct scene_values *v, int contact)
+/* Whether the tangential stiffness of a contact follows the normal one. */
+static bool stiffens(const struct scene_values *v, int contact)
 {
     return SCENE_ANY_MINDLIN && scene_is_hertz(v, contact) &&
            contact_tangential_law(v, contact) == TANGENTIAL_LAW_MINDLIN;
@@ -156,9 +156,9 @@ struct friction_law scene_friction_law(const struct scene_state *q, int contact,
         .coefficient = share * contact_friction_coefficient(v, contact),
         .static_coefficient = share * contact_static_friction_coefficient(v, contact),
         .largest = largest,
-        .stiffness = scene_stiffens(v, contact) ? mindlin_stiffness(q, contact)
-                                                : contact_tangential_stiffness(v, contact),
-        .tangential = scene_stiffens(v, contact) ? TANGENTIAL_LAW_MINDLIN : TANGENTIAL_LAW_LINEAR,
+        .stiffness =
+            stiffens(v, contact) ? mindlin_stiffness(q, contact) : contact_tangential_stiffness(v, contact),
+        .tangential = stiffens(v, contact) ? TANGENTIAL_LAW_MINDLIN : TANGENTIAL_LAW_LINEAR,
         .damping = contact_tangential_damping(v, contact),
         .slip_velocity = q->contact[contact].parameters.slip_velocity};
 }
@@ -174,7 +174,8 @@ static struct quaternion turned_to(struct quaternion orientation, struct vec3 ax
     return quaternion_unit(quaternion_product(turn, orientation));
 }
 
-struct quaternion turning_start_orientation(const struct scene_values *v, int body)
+/* Returns the orientation that a body starts with, the smallest rotation that takes z to its axis. */
+static struct quaternion start_orientation(const struct scene_values *v, int body)
 {
     if (body_is_compound(body)) {
         return quaternion_unit(body_initial_orientation(v, body));
@@ -194,19 +195,6 @@ static struct quaternion turned_by(const struct vec3 *omega, double clock, struc
         return quaternion_unit(quaternion_product(quaternion_of_rotation(vec3_scale(clock, omega[0])), q));
     }
     return rotor_turned_after(omega, q, clock);
-}
-
-double turning_prescribed_steps(const struct scene_state *q, double length)
-{
-    double steps = 0.0;
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        const struct vec3 *omega = q->path[i].angular_velocity;
-        if (body_turn_is_prescribed(q->v, i) && !path_is_steady(omega, 3)) {
-            steps += length * (vec3_norm(omega[0]) +
-                               length * (vec3_norm(omega[1]) / 2.0 + length * vec3_norm(omega[2]) / 3.0));
-        }
-    }
-    return steps;
 }
 
 struct body_turn turning_prescribed_at(const struct scene_state *q, double clock, int body)
@@ -276,7 +264,7 @@ void turning_place(struct scene_state *q)
 {
     for (int i = 0; i < SCENE_BODIES; ++i) {
         struct body_turn *origin = &q->turn_origin[i];
-        origin->orientation = !body_turn_is_prescribed(q->v, i) ? turning_start_orientation(q->v, i)
+        origin->orientation = !body_turn_is_prescribed(q->v, i) ? start_orientation(q->v, i)
                               : body_is_compound(i)             ? q->path[i].orientation
                                                                 : quaternion_identity();
         origin->angular_velocity =
@@ -287,16 +275,14 @@ void turning_place(struct scene_state *q)
 }
 
 /* Sets arms and slip of a contact whose geometry is known, by its shape. */
-static void put_arms_and_slip(const struct contact_shape *whole, int contact, struct scene_instant *at)
+static void put_arms_and_slip(const struct contact_shape *shape, int contact, struct scene_instant *at)
 {
     struct turning_instant *turning = &at->turning;
     const int source = contact_source(contact);
     const int destination = contact_destination(contact);
     const struct contact_geometry *g = &at->geometry[contact];
-    const struct contact_shape shape =
-        contact_is_skew(whole) && g->zone != 0 ? contact_shape_in(whole, g->zone) : *whole;
     const struct vec3 arm =
-        contact_source_arm(&shape, g->normal, contact_foot(&shape, at->separation[contact]));
+        contact_source_arm(shape, g->normal, contact_foot(shape, g->zone, at->separation[contact]));
     turning->source_arm[contact] = arm;
     turning->destination_arm[contact] = vec3_sub(arm, at->separation[contact]);
     const struct vec3 past =
@@ -708,29 +694,21 @@ double rounding_of_force(const struct scene_instant *at, int contact)
            angle * (fabs(slopes.by_rate) * vec3_norm(at->rate[contact]) + fabs(at->normal_force[contact]));
 }
 
-/* Returns the size of g' [m/s] below which its sign means nothing. It is the sum of the rounding of w, the
- * rounding of n, the speed of an oscillation as large as the gap's rounding bound, and the integrator's
- * tolerance. */
-static double rate_rounding(const struct contact_law *law, const struct scene_instant *at, int contact,
-                            double tolerated)
-{
-    const double gap_rounding = rounding_of_gap(at, contact);
-    const struct contact_geometry *g = &at->geometry[contact];
-    const double angle = g->degenerate ? 0.0 : fmin(rounding_of_normal(at, contact), 1.0);
-    const double spring = -contact_force_slopes(law, REGIME_COMPRESSION, g->gap, g->gap_rate).by_gap;
-    const double oscillation = sqrt(fmax(spring, 0.0) * scene_inverse_mass(at->v, contact));
-    return vec3_norm(at->rate[contact]) * angle + rounding_of_rate(at, contact) + oscillation * gap_rounding +
-           tolerated;
-}
-
+/* The sign of g' means nothing below the sum of the rounding of w, the rounding of n, the speed of an
+ * oscillation as large as the gap's rounding bound, and the integrator's tolerance. */
 double rounding_of_event(const struct scene_instant *at, int contact, double tolerated)
 {
     const struct contact_law law = scene_contact_law(at->q, contact);
     const struct contact_geometry *g = &at->geometry[contact];
+    const double of_gap = rounding_of_gap(at, contact);
+    const double angle = g->degenerate ? 0.0 : fmin(rounding_of_normal(at, contact), 1.0);
+    const double spring = -contact_force_slopes(&law, REGIME_COMPRESSION, g->gap, g->gap_rate).by_gap;
+    const double oscillation = sqrt(fmax(spring, 0.0) * scene_inverse_mass(at->v, contact));
+    const double of_rate = vec3_norm(at->rate[contact]) * angle + rounding_of_rate(at, contact) +
+                           oscillation * of_gap + tolerated;
     const struct contact_slopes slopes =
-        contact_event_slopes(&law, (enum contact_regime)at->q->contact[contact].regime, g->gap, g->gap_rate);
-    return fabs(slopes.by_gap) * rounding_of_gap(at, contact) +
-           fabs(slopes.by_rate) * rate_rounding(&law, at, contact, tolerated);
+        contact_event_slopes(&law, (enum contact_regime)at->q->contact[contact].regime);
+    return fabs(slopes.by_gap) * of_gap + fabs(slopes.by_rate) * of_rate;
 }
 
 double rounding_margin_offset(const struct scene_instant *at, int contact, double tolerated)
@@ -807,23 +785,18 @@ void contact_load_add(int contact, int body, struct vec3 force, struct vec3 sour
     }
 }
 
-struct contact_load scene_load_on(const struct scene_instant *at, int body)
-{
-    struct contact_load sum = {.force = {0.0, 0.0, 0.0}};
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        contact_load_add(j, body, at->source_force[j], at->turning.source_torque[j],
-                         at->turning.destination_torque[j], &sum);
-    }
-    return sum;
-}
-
 struct vec3 turning_torque_on(const struct scene_instant *at, int body)
 {
+    struct contact_load sum = {.force = {0.0, 0.0, 0.0}};
     struct vec3 torque = {0.0, 0.0, 0.0};
     if (body_turns_freely(at->v, body)) {
         torque = path_at(at->q->path[body].torque, 3, at->clock);
     }
-    return body_part_that_turns(at->v, body, vec3_add(torque, scene_load_on(at, body).torque));
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        contact_load_add(j, body, at->source_force[j], at->turning.source_torque[j],
+                         at->turning.destination_torque[j], &sum);
+    }
+    return body_part_that_turns(at->v, body, vec3_add(torque, sum.torque));
 }
 
 struct vec3 turning_acceleration(const struct scene_instant *at, int body)
@@ -1039,16 +1012,6 @@ double zones_margin(const struct scene_instant *at, int contact)
     return contact_zone_margin(&shape.solid, zone, at->separation[contact]);
 }
 
-enum zone zones_shown(const struct scene_instant *at, int contact)
-{
-    const struct contact_state *state = &at->q->contact[contact];
-    if (state->regime == (int32_t)REGIME_APART) {
-        return ZONE_NONE;
-    }
-    const struct contact_shape shape = scene_contact_shape_at(at, contact);
-    return contact_is_capped(&shape) ? (enum zone)abs(at->geometry[contact].zone) : ZONE_SIDE;
-}
-
 CONTACT_NOT_FUSED CONTACT_FLATTEN void scene_kinematics_now(const struct scene_state *q,
                                                             struct scene_instant *at)
 {
@@ -1063,23 +1026,6 @@ void scene_now(const struct scene_state *q, struct scene_instant *at)
 {
     scene_kinematics_now(q, at);
     scene_forces(NULL, at);
-}
-
-/* Distance from an open end, in rounding bounds of the axial position, below which rounding may decide the
- * side: the position may be wrong by a bound to either side, at two times that are compared. */
-static const double END_ROUNDINGS = 4.0;
-
-bool scene_shown_within(const struct scene_instant *at, int contact, const struct contact_shape *shape)
-{
-    const struct contact_geometry *g = &at->geometry[contact];
-    const double beyond = scene_beyond_ends(shape, g);
-    const bool within = beyond <= 0.0;
-    if (!SCENE_ANY_ENDS || !isfinite(shape->half_length) ||
-        fabs(beyond) > END_ROUNDINGS * rounding_of_axial(at, contact, shape)) {
-        return within;
-    }
-    const bool overlaps = g->gap < -rounding_of_gap(at, contact);
-    return at->q->contact[contact].regime != (int32_t)REGIME_APART || (within && !overlaps);
 }
 
 enum contact_regime scene_regime(const struct scene_instant *at, int contact, bool touching)

@@ -143,9 +143,6 @@ struct vec3 body_rotation_of(const struct scene_values *v, int body, struct quat
  * at its source (end 0) or destination (end 1). The function returns zero for other bodies. */
 struct vec3 scene_lever(const struct scene_instant *at, int contact, int end);
 
-/* Whether the tangential stiffness of a contact follows the normal one. */
-bool scene_stiffens(const struct scene_values *v, int contact);
-
 /* Returns the effective modulus E* of the bodies of a contact [Pa]. */
 double scene_hertz_modulus(const struct scene_values *v, int contact);
 
@@ -155,13 +152,6 @@ double scene_hertz_modulus(const struct scene_values *v, int contact);
  *   R_r = r_s r_d / (r_s + r_d) outside,   r_s r_d / (r_d - r_s) inside,   r_s on a plane
  * R_r is constant: the caps and the rims of a cylinder have that of its side. */
 struct friction_law scene_friction_law(const struct scene_state *q, int contact, int part);
-
-/* Returns the orientation that a body starts with, the smallest rotation that takes z to its axis. */
-struct quaternion turning_start_orientation(const struct scene_values *v, int body);
-
-/* Returns about how many steps of a series the prescribed rotations take over `length` seconds: none where
- * the direction of rotation is constant, else one for each radian. */
-double turning_prescribed_steps(const struct scene_state *q, double length);
 
 /* Returns the orientation and angular velocity of a body of prescribed rotation at a clock. */
 struct body_turn turning_prescribed_at(const struct scene_state *q, double clock, int body);
@@ -220,12 +210,11 @@ double rounding_margin_offset(const struct scene_instant *at, int contact, doubl
  * its axis the part along the axis. A bearing takes the torques across that axis; the model leaves it out. */
 struct vec3 body_part_that_turns(const struct scene_values *v, int body, struct vec3 a);
 
-/* Returns the sums of the forces [N] and torques [N m] of the contacts of a body; the torques only where
- * scene_turns. contact_load_add adds those of one contact, with its force on the source. */
+/* The sums of the forces [N] and torques [N m] of the contacts of a body; contact_load_add adds those of one
+ * contact, with its force on the source. */
 struct contact_load {
     struct vec3 force, torque;
 };
-struct contact_load scene_load_on(const struct scene_instant *at, int body);
 void contact_load_add(int contact, int body, struct vec3 force, struct vec3 source_torque,
                       struct vec3 destination_torque, struct contact_load *sum);
 
@@ -291,9 +280,6 @@ bool zones_pass(struct scene_state *q, const struct scene_instant *at, int conta
 /* Returns how far the source's centre is inside the edges of the zone [m]; 1 m where there is no zone. */
 double zones_margin(const struct scene_instant *at, int contact);
 
-/* Returns the zone at the instant as outputs show it. */
-enum zone zones_shown(const struct scene_instant *at, int contact);
-
 /*
  * The scene at its present clock. Gaps and rates that integration has accumulated replace those made from
  * positions and velocities, because they have more digits.
@@ -309,10 +295,6 @@ bool scene_gap_is_accumulated(const struct scene_instant *at, int contact);
 
 /* Whether g' of scene_now is the rate that the last segment of the contact has left (`carried_rate`). */
 bool scene_rate_is_known(const struct scene_instant *at, int contact);
-
-/* Whether outputs show the source within the extents of the destination. Where rounding may put the source on
- * either side of an open end, the present regime decides. */
-bool scene_shown_within(const struct scene_instant *at, int contact, const struct contact_shape *shape);
 
 /* Returns the regime that the law gives for the gap, the gap rate and the axial position of the instant. A
  * contact that goes on `touching` is not apart, even if rounding shows an open gap. */

@@ -136,63 +136,36 @@ static void set_size(const double *y, int index, double least, double *sizes)
     }
 }
 
-/* Returns the depth [m], which falls through zero where contact ends. Between the ends of a cylinder, at the
- * axial position z [m], the depth is multiplied by (h^2 - z^2) / (2 h^2) with h = L/2. The minimum of the
- * depth and of the distance from the ends would have a corner, which the polynomial of a long step cannot
- * follow. */
-static double depth_to_parting(const struct scene_ode *ode, const struct contact_shape *shape,
-                               const struct contact_geometry *g, int contact)
-{
-    const double offset = ode->offset[contact][ODE_EVENT_GAP];
-    const double depth = offset - g->gap;
-    const double half = shape->half_length;
-    if (!SCENE_ANY_ENDS || !isfinite(half)) {
-        return depth;
-    }
-    const double within = (half - fabs(g->axial)) * 0.5 * (1.0 + fabs(g->axial) / half);
-    return depth * (offset + within) / half;
-}
-
-static bool breaks_away(const struct turning_laws *laws)
-{
-    return laws->rubbing[OPPOSED_SLIP].kind == FRICTION_ELASTIC &&
-           laws->rubbing_regime[OPPOSED_SLIP] == FRICTION_STICKING;
-}
-
-/* Sets the event functions of friction without offsets. Sticking ends at the lesser of mu_s F_n and F_max;
- * each of the two has an event function, because the minimum is not smooth. */
-static void friction_events(const struct scene_instant *at, int contact, double *out)
+/* Sets the event functions of friction without offsets. */
+static void friction_events(const struct scene_instant *at, int contact, const struct turning_laws *laws,
+                            double *out)
 {
     if (!SCENE_ANY_FRICTION) {
         return; /* `out` has no room for events of friction */
     }
-    const struct turning_laws laws = turning_laws_of(at->q, contact);
-    const struct friction_law *law = &laws.rubbing[OPPOSED_SLIP];
-    const enum friction_regime regime = laws.rubbing_regime[OPPOSED_SLIP];
-    const double force = at->normal_force[contact];
     const bool sticks = contact_has_springs(at->v, contact);
     const double force_rate = sticks ? turning_normal_force_rate(at, contact) : 0.0;
     for (int i = 0; i < contact_opposed(at->v, contact); ++i) {
         const struct friction_state rubbing = turning_rubbing(at, contact, i);
         out[ode_stick_event(i)] =
-            friction_stick_event(&laws.rubbing[i], laws.rubbing_regime[i], rubbing, force_rate);
+            friction_stick_event(&laws->rubbing[i], laws->rubbing_regime[i], rubbing, force_rate);
+        if (i == OPPOSED_SLIP) {
+            out[ODE_EVENT_CAP] = friction_cap_event(&laws->rubbing[i], laws->rubbing_regime[i], rubbing);
+        }
     }
-    out[ODE_EVENT_CAP] = friction_cap_event(law, regime, force);
-    if (breaks_away(&laws)) {
-        const double carried =
-            vec3_norm(friction_force(law, FRICTION_STICKING, turning_rubbing(at, contact, OPPOSED_SLIP)));
-        out[ODE_EVENT_STICK] = law->static_coefficient * force - carried;
-        out[ODE_EVENT_CAP] = law->largest - carried;
-    }
-    if (contact_may_pull(&laws.normal)) {
+    if (contact_may_pull(&laws->normal)) {
         const struct contact_geometry *g = &at->geometry[contact];
-        const double push = contact_push(&laws.normal, g->gap, g->gap_rate);
-        out[ODE_EVENT_LIFT] = regime == FRICTION_LIFTED ? -push : push;
+        const double push = contact_push(&laws->normal, g->gap, g->gap_rate);
+        out[ODE_EVENT_LIFT] = laws->rubbing_regime[OPPOSED_SLIP] == FRICTION_LIFTED ? -push : push;
     }
 }
 
 /* Sets the events of the gap and the law. Closed forms foresee all changes of a contact that is apart, and
- * where nothing turns the passage of a cylinder's end, unless another contact acts on its bodies. */
+ * where nothing turns the passage of a cylinder's end, unless another contact acts on its bodies.
+ *
+ * A contact ends where its depth falls through zero. Between the ends of a cylinder, at the axial position
+ * z [m], the depth is multiplied by (h^2 - z^2) / (2 h^2) with h = L/2. The minimum of the depth and of the
+ * distance from the ends would have a corner, which the polynomial of a long step cannot follow. */
 static void contact_events(const struct scene_ode *ode, const struct scene_instant *at, int contact,
                            double out[ODE_EVENTS_EACH])
 {
@@ -203,33 +176,25 @@ static void contact_events(const struct scene_ode *ode, const struct scene_insta
     if (!is_coupled && !contact_pushes(ode->state, contact)) {
         return;
     }
-    struct contact_shape shape = scene_contact_shape_at(at, contact);
-    shape.half_length = is_coupled || scene_turns(ode->values) ? shape.half_length : (double)INFINITY;
+    const bool has_ends = SCENE_ANY_ENDS && (is_coupled || scene_turns(ode->values));
+    const double half = has_ends ? scene_whole_shape(ode->state, contact).half_length : (double)INFINITY;
+    const double z = SCENE_ANY_ENDS ? fabs(g->axial) : 0.0;
     if (regime == REGIME_APART) {
-        out[ODE_EVENT_GAP] = offset[ODE_EVENT_GAP] + fmax(g->gap, scene_beyond_ends(&shape, g));
+        out[ODE_EVENT_GAP] = offset[ODE_EVENT_GAP] + fmax(g->gap, z - half);
     } else {
         const struct contact_law law = scene_contact_law(ode->state, contact);
-        out[ODE_EVENT_GAP] = depth_to_parting(ode, &shape, g, contact);
+        const double depth = offset[ODE_EVENT_GAP] - g->gap;
+        const double within = (half - z) * 0.5 * (1.0 + z / half);
+        out[ODE_EVENT_GAP] = isfinite(half) ? depth * (offset[ODE_EVENT_GAP] + within) / half : depth;
         out[ODE_EVENT_LAW] = offset[ODE_EVENT_LAW] + contact_event(&law, regime, g->gap, g->gap_rate);
     }
-}
-
-/* Returns the error of the stick event where the opposed motion has an error of `tolerated` [m/s, rad/s] and
- * F_n one of `of_force` [N]. */
-static double stick_rounding(const struct friction_law *law, enum friction_regime regime, double normal_force,
-                             double of_force, double tolerated)
-{
-    const double limit = fabs(friction_limit(law, regime, normal_force));
-    const bool is_force = friction_compares_forces(law, regime);
-    const double of_limit = law->static_coefficient * of_force + 8.0 * DBL_EPSILON * limit;
-    return is_force ? law->damping * tolerated + of_limit : tolerated;
 }
 
 void turning_friction_events(const struct scene_instant *at, int contact, double tolerated, double relative,
                              double absolute, double offset[ODE_EVENTS_EACH], double events[ODE_EVENTS_EACH])
 {
-    if (!SCENE_ANY_TURNING) {
-        return; /* the scene has none of these events */
+    if (!SCENE_ANY_FRICTION) {
+        return;
     }
     const struct turning_laws laws = turning_laws_of(at->q, contact);
     const double force = at->normal_force[contact];
@@ -242,18 +207,22 @@ void turning_friction_events(const struct scene_instant *at, int contact, double
     }
     memset(offset + ODE_EVENT_STICK, 0, (ODE_EVENT_ZONE - ODE_EVENT_STICK) * sizeof *offset);
     for (int i = 0; i < contact_opposed(at->v, contact); ++i) {
+        const struct friction_law *law = &laws.rubbing[i];
+        const double limit = fabs(friction_limit(law, laws.rubbing_regime[i], force));
+        const double of_limit = law->static_coefficient * of_force + 8.0 * DBL_EPSILON * limit; /* [N] */
         const double of_motion =
             i == OPPOSED_SLIP ? tolerated : relative * turning_spin_size(at, contact) + absolute;
-        offset[ode_stick_event(i)] =
-            2.0 * stick_rounding(&laws.rubbing[i], laws.rubbing_regime[i], force, of_force, of_motion);
+        const bool is_force = friction_compares_forces(law, laws.rubbing_regime[i]);
+        offset[ode_stick_event(i)] = 2.0 * (is_force ? law->damping * of_motion + of_limit : of_motion);
     }
-    offset[ODE_EVENT_CAP] = breaks_away(&laws) ? offset[ODE_EVENT_STICK]
-                                               : 2.0 * laws.rubbing[OPPOSED_SLIP].coefficient * rounding;
+    offset[ODE_EVENT_CAP] = laws.rubbing_regime[OPPOSED_SLIP] == FRICTION_STICKING
+                                ? offset[ODE_EVENT_STICK]
+                                : 2.0 * laws.rubbing[OPPOSED_SLIP].coefficient * rounding;
     /* the error of contact_push, which is F_n, or its factor under Hertz's law */
     offset[ODE_EVENT_LIFT] =
         2.0 *
         (contact_is_hertz(&laws.normal) ? 8.0 * DBL_EPSILON + laws.normal.damping * tolerated : rounding);
-    friction_events(at, contact, events);
+    friction_events(at, contact, &laws, events);
     for (int i = ODE_EVENT_STICK; i < ODE_EVENT_ZONE; ++i) {
         events[i] += offset[i];
     }
@@ -290,26 +259,19 @@ void ode_leave_centres(struct scene_state *q)
     }
 }
 
-/* Returns the momentum sqrt(2 m E) [N s] with the energy E [J] of the lightest body, of mass m, that moves or
- * turns freely. */
-static double momentum_scale(const struct scene_values *v, double energy)
-{
-    double lightest = (double)INFINITY;
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        const bool moves = body_is_free(v, i) || body_turns_freely(v, i);
-        lightest = moves ? fmin(lightest, body_mass(v, i)) : lightest;
-    }
-    return sqrt(2.0 * lightest * energy);
-}
-
 /* The gap's offset is twice its rounding bound, because the gap at the start may itself be wrong by one
  * bound. rounding_margin_offset (scene/evaluate.h) gives the reasons for the law's offset. */
 void ode_begin(struct scene_ode *ode, const struct scene_instant *at, double relative, double absolute)
 {
     const struct scene_values *v = ode->values;
     const struct scene_energies energy = scene_energies_of(at);
+    double lightest = (double)INFINITY; /* mass of a body that moves or turns freely [kg] */
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        lightest = body_moves_freely(v, i) ? fmin(lightest, body_mass(v, i)) : lightest;
+    }
     ode->energy_scale = energy.kinetic + energy.stored + energy.rotational;
-    ode->momentum_scale = momentum_scale(v, ode->energy_scale);
+    ode->momentum_scale =
+        sqrt(2.0 * lightest * ode->energy_scale); /* the lightest body has it with all energy */
     memset(ode->offset, 0, sizeof ode->offset);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const double tolerated = relative * vec3_norm(at->rate[j]) + absolute;
@@ -340,8 +302,8 @@ static void copy_numbers(bool packs, double *y, void *state, size_t count)
 static void copy_states(const struct scene_ode *ode, bool packs, struct scene_state *q, double *y)
 {
     const struct ode_layout *layout = &ode->layout;
-    const bool turns = scene_turns(ode->values);
     const size_t impulses = (size_t)ode_impulses(ode->values);
+    const size_t energies = (size_t)(layout->size - layout->dissipated); /* they stand together in q too */
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (layout->body[i] >= 0) {
             copy_numbers(packs, y + layout->body[i], &q->body[i], BODY_STATES);
@@ -357,11 +319,7 @@ static void copy_states(const struct scene_ode *ode, bool packs, struct scene_st
             copy_numbers(packs, y + layout->impulse[j], &q->contact[j].physics.impulse, impulses);
         }
     }
-    copy_numbers(packs, y + layout->dissipated, &q->dissipated, 1);
-    copy_numbers(packs, y + layout->dissipated + 1, &q->external_work, 1);
-    if (turns) {
-        copy_numbers(packs, y + layout->dissipated + 2, &q->friction_energy, 1);
-    }
+    copy_numbers(packs, y + layout->dissipated, &q->dissipated, energies);
 }
 
 void ode_pack(const struct scene_ode *ode, double *y)
@@ -552,8 +510,7 @@ void ode_nominal(const struct scene_ode *ode, const double *y, double *sizes)
 struct linearization {
     const struct scene_ode *ode;
     const double *y;
-    int states; /* number of rows and columns */
-    double *columns;
+    double *columns;         /* [layout.size][layout.size] */
     struct scene_instant at; /* at y */
     struct scene_jet along;  /* the path, along one state */
 };
@@ -565,7 +522,7 @@ static void add_contact(struct linearization *l, int contact, int column, double
     const struct scene_values *v = l->ode->values;
     const struct ode_layout *layout = &l->ode->layout;
     const struct turning_jet *turning = &l->along.turning[contact];
-    double *rates = l->columns + column * l->states;
+    double *rates = l->columns + column * layout->size;
     for (int end = 0; end < 2; ++end) {
         const int body = end == 0 ? contact_source(contact) : contact_destination(contact);
         if (layout->body[body] >= 0) {
@@ -584,21 +541,19 @@ static void add_contact(struct linearization *l, int contact, int column, double
                         rates + layout->spring[contact][i]);
         }
     }
-    if (l->states == layout->size) {
-        const struct vec3 force = l->along.contact[contact].source_force[1];
-        const struct scene_powers power = jet_powers_of_contact(l->at.q, &l->along, contact, 1);
-        double *impulse = rates + layout->impulse[contact];
-        vec3_add_to(sign, force, impulse);
-        if (scene_turns(v)) {
-            vec3_add_to(sign, turning->destination_torque[1], impulse + 3);
-            vec3_add_to(sign, turning->source_torque[1], impulse + 6);
-            rates[layout->dissipated + 2] += sign * power.friction;
-        } else if (SCENE_HAS_TORQUES) {
-            vec3_add_to(sign, vec3_cross(l->at.separation[contact], force), impulse + 3);
-        }
-        rates[layout->dissipated] += sign * power.dissipated;
-        rates[layout->dissipated + 1] += sign * power.external;
+    const struct vec3 force = l->along.contact[contact].source_force[1];
+    const struct scene_powers power = jet_powers_of_contact(l->at.q, &l->along, contact, 1);
+    double *impulse = rates + layout->impulse[contact];
+    vec3_add_to(sign, force, impulse);
+    if (scene_turns(v)) {
+        vec3_add_to(sign, turning->destination_torque[1], impulse + 3);
+        vec3_add_to(sign, turning->source_torque[1], impulse + 6);
+        rates[layout->dissipated + 2] += sign * power.friction;
+    } else if (SCENE_HAS_TORQUES) {
+        vec3_add_to(sign, vec3_cross(l->at.separation[contact], force), impulse + 3);
     }
+    rates[layout->dissipated] += sign * power.dissipated;
+    rates[layout->dissipated + 1] += sign * power.external;
 }
 
 /* Adds what a contact does to the columns of the motion of both centres, of which it sees the difference, and
@@ -613,7 +568,7 @@ static void add_columns_of_contact(struct linearization *l, int contact)
     const int moved = body[0] >= 0 ? to : from;
     for (int k = 0; k < BODY_STATES && (body[0] >= 0 || body[1] >= 0); ++k) {
         struct vec3 *input = k < 3 ? &l->along.displacement[moved][1] : &l->along.velocity[moved][1];
-        vec3_set(input, k % 3, 1.0);
+        *vec3_part(input, k % 3) = 1.0;
         jet_of_contact(&l->at, contact, scene_turns(l->ode->values), &l->along);
         for (int i = 0; i < 2; ++i) {
             if (body[i] >= 0) {
@@ -625,7 +580,7 @@ static void add_columns_of_contact(struct linearization *l, int contact)
     for (int k = 0; SCENE_ANY_SPRINGS && k < 3 * OPPOSED; ++k) {
         if (layout->spring[contact][k / 3] >= 0) {
             struct vec3 *input = &l->along.spring[contact][k / 3][1];
-            vec3_set(input, k % 3, 1.0);
+            *vec3_part(input, k % 3) = 1.0;
             jet_of_contact(&l->at, contact, true, &l->along);
             add_contact(l, contact, layout->spring[contact][k / 3] + k % 3, 1.0);
             *input = vec3_make(0.0, 0.0, 0.0);
@@ -643,7 +598,7 @@ static void change_orientation(struct linearization *l, int body, int k)
     const struct vec3 spin = vec3_from(l->y + l->ode->layout.spin[body]);
     const struct quaternion back = quaternion_inverse(turn->orientation);
     struct scene_jet *along = &l->along;
-    turning_jet_move_orientation(body, turn->orientation, sqrt(quaternion_dot(q, q)), k, 1.0, along);
+    turning_jet_move_orientation(&l->at, body, q, k, 1.0, along);
     const struct vec3 r =
         vec3_scale(2.0, quaternion_vector(quaternion_product(along->orientation[body][1], back)));
     const struct vec3 turned = body_part_that_turns(v, body, vec3_cross(r, turn->angular_velocity));
@@ -657,9 +612,8 @@ static void add_columns_of_rotation(struct linearization *l, int body)
     const struct ode_layout *layout = &l->ode->layout;
     const int at = layout->orientation[body];
     const struct quaternion given = quaternion_from(l->y + at);
-    const bool has_orientation = at < l->states;
     struct scene_jet *along = &l->along;
-    for (int k = 0; k < (has_orientation ? 7 : 3); ++k) {
+    for (int k = 0; k < 7; ++k) {
         const int index = k < 3 ? layout->spin[body] + k : at + k - 3;
         struct quaternion by = {k == 3, k == 4, k == 5, k == 6};
         if (k < 3) {
@@ -669,11 +623,9 @@ static void add_columns_of_rotation(struct linearization *l, int body)
         } else {
             change_orientation(l, body, k - 3);
         }
-        if (has_orientation) {
-            by = quaternion_rate(by, l->at.turning.body[body].angular_velocity);
-            quaternion_to(quaternion_axpy(quaternion_rate(given, along->angular_velocity[body][1]), 1.0, by),
-                          l->columns + index * l->states + at);
-        }
+        by = quaternion_rate(by, l->at.turning.body[body].angular_velocity);
+        quaternion_to(quaternion_axpy(quaternion_rate(given, along->angular_velocity[body][1]), 1.0, by),
+                      l->columns + index * layout->size + at);
         for (int j = 0; j < SCENE_CONTACTS && index < layout->coupled; ++j) {
             if (l->ode->state->contact[j].regime != (int32_t)REGIME_APART &&
                 (contact_source(j) == body || contact_destination(j) == body)) {
@@ -686,17 +638,17 @@ static void add_columns_of_rotation(struct linearization *l, int body)
     }
 }
 
-void ode_jacobian(const void *scene_ode, int states, double clock, const double *y, double *columns)
+void ode_jacobian(const struct scene_ode *ode, double clock, const double *y, double *columns)
 {
-    const struct scene_ode *ode = scene_ode;
-    struct linearization l = {.ode = ode, .y = y, .states = states, .columns = columns};
-    memset(columns, 0, (size_t)states * (size_t)states * sizeof *columns);
+    struct linearization l = {.ode = ode, .y = y, .columns = columns};
+    const int size = ode->layout.size;
+    memset(columns, 0, (size_t)size * (size_t)size * sizeof *columns);
     ode_instant(ode, clock, y, &l.at);
     jet_begin(&l.at, &l.along);
-    l.along.first_order = true;
+    l.along.terms = 2;
     for (int i = 0; i < SCENE_BODIES; ++i) {
         for (int k = 0; ode->layout.body[i] >= 0 && k < 3; ++k) { /* the rate of a place is a velocity */
-            columns[(ode->layout.body[i] + 3 + k) * states + ode->layout.body[i] + k] = 1.0;
+            columns[(ode->layout.body[i] + 3 + k) * size + ode->layout.body[i] + k] = 1.0;
         }
         if (SCENE_ANY_ROTATION && ode->layout.spin[i] >= 0) {
             add_columns_of_rotation(&l, i);
@@ -730,7 +682,8 @@ void ode_events_at(const struct scene_ode *ode, const struct scene_instant *at, 
         }
         contact_events(ode, at, j, out);
         if (SCENE_ANY_FRICTION && contact_rubs(v, j) && contact_transmits(ode->state, j)) {
-            friction_events(at, j, out);
+            const struct turning_laws laws = turning_laws_of(at->q, j);
+            friction_events(at, j, &laws, out);
         }
         if (SCENE_ANY_ZONES) {
             out[ODE_EVENT_ZONE] = zones_margin(at, j);
@@ -807,42 +760,31 @@ static bool keeps_energy(const struct scene_state *q, int contact)
            body_is_undriven(q, contact_source(contact)) && body_is_undriven(q, contact_destination(contact));
 }
 
-/* Returns the terms of the energy of a contact's relative motion [J]. The potential counts only where one
- * body is not free, because two free bodies fall together. */
-static struct scene_energies relative_energy_of(const struct scene_instant *at, int contact)
+/* Returns the energy of a contact's relative motion [J], and sets the sum of the sizes of its terms. The
+ * potential counts only where one body is not free, because two free bodies fall together. */
+static double relative_energy_of(const struct scene_instant *at, int contact, double *terms)
 {
     const struct contact_law law = scene_contact_law(at->q, contact);
+    const enum contact_regime regime = (enum contact_regime)at->q->contact[contact].regime;
     const double mass = 1.0 / scene_inverse_mass(at->v, contact);
     const bool source_is_free = body_is_free(at->v, contact_source(contact));
-    const bool destination_is_free = body_is_free(at->v, contact_destination(contact));
-    struct scene_energies energy = {
-        .kinetic = 0.5 * mass * vec3_dot(at->rate[contact], at->rate[contact]),
-        .stored = contact_stored_energy(&law, (enum contact_regime)at->q->contact[contact].regime,
-                                        at->geometry[contact].gap)};
-    if (source_is_free != destination_is_free) {
-        const int body = source_is_free ? contact_source(contact) : contact_destination(contact);
-        energy.potential = -mass * vec3_dot(gravity(at->v), at->displacement[body]);
-    }
-    return energy;
+    const int body = source_is_free ? contact_source(contact) : contact_destination(contact);
+    const bool is_common = source_is_free && body_is_free(at->v, contact_destination(contact));
+    const double positive = 0.5 * mass * vec3_dot(at->rate[contact], at->rate[contact]) +
+                            contact_stored_energy(&law, regime, at->geometry[contact].gap);
+    const double potential = is_common ? 0.0 : -mass * vec3_dot(gravity(at->v), at->displacement[body]);
+    *terms = positive + fabs(potential);
+    return positive + potential;
 }
 
 double projection_balance(const struct scene_instant *at)
 {
+    double balance = 0.0;
+    double terms;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (keeps_energy(at->q, j)) {
-            const struct scene_energies energy = relative_energy_of(at, j);
-            return energy.kinetic + energy.stored + energy.potential;
-        }
+        balance += keeps_energy(at->q, j) ? relative_energy_of(at, j, &terms) : 0.0; /* one at most */
     }
-    return 0.0;
-}
-
-/* Returns the impulse j along the normal [N s], positive where it drives the bodies apart, that adds the
- * `missing` energy [J]: j g' + j^2 (1/m_s + 1/m_d) / 2. */
-static double impulse_for(double missing, double gap_rate, double by_both)
-{
-    const double square = gap_rate * gap_rate + 2.0 * missing * by_both;
-    return square > 0.0 ? 2.0 * missing / (gap_rate + copysign(sqrt(square), gap_rate)) : 0.0;
+    return balance;
 }
 
 /* Largest correction of the energy as a fraction of the energy. An integrator's error is smaller, so that a
@@ -853,39 +795,30 @@ static const double LARGEST_CORRECTION = 1e-3;
  * tolerance. */
 static const double MOST_STEPS = 1e4;
 
-/* Whether the missing energy [J] exceeds the rounding of its terms, but is explained by an error of
- * `tolerated` [m/s] and by rounding in each step of the integrator. */
-static bool is_integration_error(double missing, const struct scene_energies *energy, double mass,
-                                 double gap_rate, double speed, double tolerated)
-{
-    const double terms = energy->kinetic + energy->stored + fabs(energy->potential);
-    const double explained = mass * fabs(gap_rate) * MOST_STEPS * (tolerated + 8.0 * DBL_EPSILON * speed);
-    return fabs(missing) > 64.0 * DBL_EPSILON * terms &&
-           fabs(missing) <= fmin(explained, LARGEST_CORRECTION * 0.5 * mass * gap_rate * gap_rate);
-}
-
-/* Nothing is done where the error of a step does not explain the difference of energy, or where rounding
- * explains it. */
+/* Nothing is done where the errors and the rounding of all steps do not explain the difference of energy, or
+ * where the rounding of its terms explains it. */
 void projection_end_contact(struct scene_state *q, int contact, double relative, double absolute)
 {
     if (!keeps_energy(q, contact)) {
         return;
     }
     struct scene_instant at;
+    double terms;
     scene_now(q, &at);
     const int source = contact_source(contact);
     const int destination = contact_destination(contact);
     const double by_both = scene_inverse_mass(q->v, contact);
     const double gap_rate = at.geometry[contact].gap_rate;
     const double speed = vec3_norm(at.rate[contact]);
-    const struct scene_energies energy = relative_energy_of(&at, contact);
-    const double missing = q->phase_energy - (energy.kinetic + energy.stored + energy.potential);
-    if (!is_integration_error(missing, &energy, 1.0 / by_both, gap_rate, speed,
-                              relative * speed + absolute)) {
+    const double missing = q->phase_energy - relative_energy_of(&at, contact, &terms);
+    const double error = relative * speed + absolute + 8.0 * DBL_EPSILON * speed; /* of a step [m/s] */
+    const double most = fmin(MOST_STEPS * error, LARGEST_CORRECTION * 0.5 * fabs(gap_rate));
+    if (!(fabs(missing) > 64.0 * DBL_EPSILON * terms && fabs(missing) <= most * fabs(gap_rate) / by_both)) {
         return;
     }
-    const struct contact_shape shape = scene_contact_shape(q, contact);
-    const double j = shape.side * impulse_for(missing, gap_rate, by_both);
+    /* an impulse j that drives the bodies apart adds the energy j g' + j^2 (1/m_s + 1/m_d) / 2 */
+    const double after = copysign(sqrt(gap_rate * gap_rate + 2.0 * missing * by_both), gap_rate);
+    const double j = scene_contact_side(q, contact) * 2.0 * missing / (gap_rate + after); /* [N s] */
     const struct vec3 n = at.geometry[contact].normal;
     q->body[source].velocity = vec3_axpy(q->body[source].velocity, -j * body_inverse_mass(q->v, source), n);
     q->body[destination].velocity =

@@ -60,7 +60,8 @@ static inline enum ode_event ode_stick_event(int part)
 }
 static inline int ode_event_part(enum ode_event event)
 {
-    return OPPOSED > 1 && event > ODE_EVENT_LIFT ? (int)event - (int)ODE_EVENT_LIFT : OPPOSED_SLIP;
+    const int part = (int)event - (int)ODE_EVENT_LIFT;
+    return OPPOSED > 1 && part > 0 && part < OPPOSED ? part : OPPOSED_SLIP;
 }
 
 enum { ODE_MOST_GROUPS = SCENE_BODIES + SCENE_CONTACTS };
@@ -119,11 +120,10 @@ void ode_unpack(const struct scene_ode *ode, struct scene_state *q, const double
 /* Computes dy/dt. */
 void ode_rates(const void *scene_ode, double clock, const double *y, double *rates);
 
-/* Sets columns[j * states + i] to the derivative of (dy/dt)_i with respect to y_j. Rows and columns are those
- * of the first `states` states: the coupled ones, layout.coupled, or all, layout.size. The rows of integrals
+/* Sets columns[j * layout.size + i] to the derivative of (dy/dt)_i with respect to y_j. The rows of integrals
  * have what contacts change, which may be stiff. They leave out the power of external forces, and the turning
  * of the lever arm of a torque where nothing turns: a Newton iteration finds these by itself. */
-void ode_jacobian(const void *scene_ode, int states, double clock, const double *y, double *columns);
+void ode_jacobian(const struct scene_ode *ode, double clock, const double *y, double *columns);
 
 void ode_events(const struct scene_ode *ode, double clock, const double *y, double events[ODE_EVENTS]);
 

@@ -5,38 +5,25 @@
 #include "scene/evaluate.h"
 #include "scene/scene_jet.h"
 
-/* Returns coefficient `order` of a cross product. */
-static struct vec3 turning_jet_cross(const struct vec3 *a, const struct vec3 *b, int order)
-{
-    struct vec3 sum = {0.0, 0.0, 0.0};
-    for (int i = 0; i <= order; ++i) {
-        sum = vec3_add(sum, vec3_cross(a[i], b[order - i]));
-    }
-    return sum;
-}
-
-/* Puts the terms of q a q*, the vector a as the quaternion q of unit length turns it. */
+/* Puts the terms of the vector a as the quaternion q of unit length turns it (quaternion_rotate). */
 static void put_turned(int terms, const struct quaternion q[JET_TERMS], const struct vec3 a[JET_TERMS],
                        struct vec3 turned[JET_TERMS])
 {
-    struct quaternion half[JET_TERMS]; /* q a */
+    struct vec3 v[JET_TERMS], across[JET_TERMS];
+    double w[JET_TERMS];
     for (int i = 0; i < terms; ++i) {
-        half[i] = quaternion_make(0.0, vec3_make(0.0, 0.0, 0.0));
-        turned[i] = vec3_make(0.0, 0.0, 0.0);
-        for (int k = 0; k <= i; ++k) {
-            const struct quaternion part = quaternion_product(q[i - k], quaternion_make(0.0, a[k]));
-            half[i] = quaternion_axpy(half[i], 1.0, part);
-        }
-        for (int k = 0; k <= i; ++k) {
-            const struct quaternion part = quaternion_product(half[k], quaternion_inverse(q[i - k]));
-            turned[i] = vec3_add(turned[i], quaternion_vector(part));
-        }
+        v[i] = quaternion_vector(q[i]);
+        w[i] = q[i].w;
+        across[i] = jet_cross(v, a, i);
+        const struct vec3 moved = vec3_add(jet_scale(w, across, i), jet_cross(v, across, i));
+        turned[i] = vec3_axpy(a[i], 2.0, moved);
     }
 }
 
 void jet_begin(const struct scene_instant *at, struct scene_jet *along)
 {
     memset(along, 0, sizeof *along);
+    along->terms = JET_TERMS;
     for (int i = 0; i < SCENE_BODIES; ++i) {
         along->displacement[i][0] = at->displacement[i];
         along->velocity[i][0] = at->velocity[i];
@@ -50,7 +37,7 @@ void jet_begin(const struct scene_instant *at, struct scene_jet *along)
 void jet_axis_of(const struct scene_jet *along, int body, struct vec3 axis[JET_TERMS])
 {
     const struct vec3 z[JET_TERMS] = {{0.0, 0.0, 1.0}};
-    put_turned(along->first_order ? 2 : JET_TERMS, along->orientation[body], z, axis);
+    put_turned(along->terms, along->orientation[body], z, axis);
 }
 
 /* Puts the terms of the lever arms R o of compound bodies at both ends of a contact, and adds those by which
@@ -67,7 +54,7 @@ static void add_levers(const struct scene_jet *along, int contact, struct vec3 c
         put_turned(JET_TERMS, along->orientation[body], part, lever[end]);
         for (int i = 0; i < JET_TERMS; ++i) {
             c[i] = vec3_axpy(c[i], sign, lever[end][i]);
-            w[i] = vec3_axpy(w[i], sign, turning_jet_cross(along->angular_velocity[body], lever[end], i));
+            w[i] = vec3_axpy(w[i], sign, jet_cross(along->angular_velocity[body], lever[end], i));
         }
     }
 }
@@ -82,23 +69,6 @@ struct contact_path {
     int terms;                       /* number of terms that are wanted */
 };
 
-/* Puts the motion of the shape's axis, and the rate of c as the destination sees it. */
-static void put_seen(const struct scene_values *v, const struct scene_jet *along,
-                     const struct contact_shape *shape, int contact, struct contact_path *path)
-{
-    if (contact_tips(v, contact)) {
-        /* a shape's axis is opposite to the body's at a capped cylinder's end to which -e_d points */
-        const double sign = contact_is_capped(shape) && shape->solid.zone < 0 ? -1.0 : 1.0;
-        jet_axis_of(along, contact_destination(contact), path->axis);
-        for (int i = 0; i < path->terms; ++i) {
-            path->axis[i] = vec3_scale(sign, path->axis[i]);
-        }
-    }
-    for (int i = 0; i < path->terms && !contact_is_skew(shape); ++i) {
-        path->seen[i] = vec3_sub(path->w[i], turning_jet_cross(path->destination, path->c, i));
-    }
-}
-
 static struct contact_path path_of(const struct scene_instant *at, const struct scene_jet *along,
                                    const struct contact_shape *shape, int contact)
 {
@@ -108,7 +78,7 @@ static struct contact_path path_of(const struct scene_instant *at, const struct 
     memset(&path, 0, sizeof path);
     path.source = along->angular_velocity[from];
     path.destination = along->angular_velocity[to];
-    path.terms = along->first_order ? 2 : JET_TERMS;
+    path.terms = along->terms;
     for (int i = 1; i < path.terms; ++i) {
         path.c[i] = vec3_sub(along->displacement[to][i], along->displacement[from][i]);
         path.w[i] = vec3_sub(along->velocity[to][i], along->velocity[from][i]);
@@ -120,8 +90,17 @@ static struct contact_path path_of(const struct scene_instant *at, const struct 
         path.axis[0] = shape->axis;
     }
     memcpy(path.seen, path.w, sizeof path.seen);
-    if (SCENE_ANY_TURNING && scene_turns(at->v)) {
-        put_seen(at->v, along, shape, contact, &path);
+    if (contact_tips(at->v, contact)) {
+        /* a shape's axis is opposite to the body's at a capped cylinder's end to which -e_d points */
+        const double sign = contact_is_capped(shape) && shape->solid.zone < 0 ? -1.0 : 1.0;
+        jet_axis_of(along, to, path.axis);
+        for (int i = 0; i < path.terms; ++i) {
+            path.axis[i] = vec3_scale(sign, path.axis[i]);
+        }
+    }
+    const bool turns = scene_turns(at->v) && !contact_is_skew(shape);
+    for (int i = 0; turns && i < path.terms; ++i) {
+        path.seen[i] = vec3_sub(path.w[i], jet_cross(path.destination, path.c, i));
     }
     return path;
 }
@@ -193,12 +172,12 @@ static void put_slip(const struct contact_shape *shape, const struct contact_pat
 {
     struct vec3 all[JET_TERMS] = {{0.0, 0.0, 0.0}};
     for (int i = 0; i < path->terms; ++i) {
-        const struct vec3 foot =
-            i == 0 ? contact_foot(shape, path->c[0]) : contact_foot_along(shape, path->c[i]);
+        const struct vec3 foot = i == 0 ? contact_foot(shape, shape->solid.zone, path->c[0])
+                                        : contact_foot_along(shape, path->c[i]);
         turning->source_arm[i] = contact_source_arm(shape, jet->normal[i], foot);
         turning->destination_arm[i] = vec3_sub(turning->source_arm[i], path->c[i]);
-        const struct vec3 past = vec3_sub(turning_jet_cross(path->source, turning->source_arm, i),
-                                          turning_jet_cross(path->destination, turning->destination_arm, i));
+        const struct vec3 past = vec3_sub(jet_cross(path->source, turning->source_arm, i),
+                                          jet_cross(path->destination, turning->destination_arm, i));
         all[i] = vec3_sub(past, path->w[i]);
         turning->spin[i] = vec3_sub(path->source[i], path->destination[i]);
     }
@@ -215,7 +194,7 @@ static struct friction_path friction_path_of(const struct scene_instant *at, con
                                              int contact, int part)
 {
     const struct contact_jet *jet = &along->contact[contact];
-    struct friction_path path = {.terms = along->first_order ? 2 : JET_TERMS,
+    struct friction_path path = {.terms = along->terms,
                                  .slip_velocity_slope =
                                      part == OPPOSED_SLIP ? along->slip_velocity_slope[contact] : 0.0};
     memcpy(path.normal_force, jet->normal_force, sizeof path.normal_force);
@@ -225,7 +204,7 @@ static struct friction_path friction_path_of(const struct scene_instant *at, con
     for (int i = 0; i < JET_TERMS; ++i) {
         path.depth[i] = -jet->gap[i];
     }
-    if (along->jumps) {
+    if (along->spring_before != NULL) {
         const struct vec3 before[JET_TERMS] = {along->spring_before[contact][part]};
         struct vec3 laid[JET_TERMS];
         opposed_laid_terms((enum opposed)part, path.terms, before, jet->normal, laid);
@@ -242,21 +221,21 @@ static void put_friction(const struct scene_instant *at, int contact, struct sce
     struct contact_jet *jet = &along->contact[contact];
     struct turning_jet *turning = &along->turning[contact];
     const bool rubs = contact_rubs(q->v, contact) && q->contact[contact].regime != (int32_t)REGIME_APART;
-    const int terms = along->first_order ? 2 : JET_TERMS;
     for (int part = 0; SCENE_ANY_FRICTION && rubs && part < contact_opposed(q->v, contact); ++part) {
         const bool slips = part == OPPOSED_SLIP;
         struct vec3 *sum = slips ? turning->friction_force : turning->resistance;
         struct vec3 force[JET_TERMS];
         double stored[JET_TERMS];
         if (!slips) {
-            opposed_laid_terms((enum opposed)part, terms, turning->spin, jet->normal, turning->motion[part]);
+            opposed_laid_terms((enum opposed)part, along->terms, turning->spin, jet->normal,
+                               turning->motion[part]);
         }
         const struct friction_law law = scene_friction_law(q, contact, part);
         const enum friction_regime regime = (enum friction_regime)q->contact[contact].friction_regime[part];
         const struct friction_path path = friction_path_of(at, along, contact, part);
         friction_force_terms(&law, regime, &path, force);
         friction_stored_terms(&law, regime, &path, stored);
-        for (int i = 0; i < terms; ++i) {
+        for (int i = 0; i < along->terms; ++i) {
             sum[i] = vec3_add(sum[i], force[i]);
             turning->stored[i] += stored[i];
             jet->source_force[i] = slips ? vec3_add(jet->source_force[i], force[i]) : jet->source_force[i];
@@ -274,8 +253,8 @@ static void put_turning(const struct scene_instant *at, const struct contact_sha
     put_slip(shape, path, jet, turning);
     put_friction(at, contact, along);
     for (int i = 0; i < path->terms; ++i) {
-        turning->source_torque[i] = turning_jet_cross(turning->source_arm, jet->source_force, i);
-        turning->destination_torque[i] = turning_jet_cross(jet->source_force, turning->destination_arm, i);
+        turning->source_torque[i] = jet_cross(turning->source_arm, jet->source_force, i);
+        turning->destination_torque[i] = jet_cross(jet->source_force, turning->destination_arm, i);
         if (contact_resists(at->v, contact)) {
             const struct vec3 resistance = turning->resistance[i];
             turning->source_torque[i] = vec3_add(turning->source_torque[i], resistance);
@@ -337,10 +316,9 @@ static void put_prescribed(const struct scene_instant *at, int body, struct scen
             memcpy(&e[1], &unit[1], 2 * sizeof e[1]);
         }
         const struct vec3 rate[2] = {e[1], vec3_scale(2.0, e[2])};
-        const double spin[2] = {vec3_dot(omega[0], e[0]),
-                                vec3_dot(omega[1], e[0]) + vec3_dot(omega[0], e[1])};
+        const double spin[2] = {jet_dot(omega, e, 0), jet_dot(omega, e, 1)};
         for (int i = 0; i < 2; ++i) {
-            seen[i] = vec3_add(turning_jet_cross(e, rate, i), jet_scale(spin, e, i));
+            seen[i] = vec3_add(jet_cross(e, rate, i), jet_scale(spin, e, i));
         }
     }
     put_orientation(seen, along->orientation[body]);
@@ -484,7 +462,7 @@ struct vec3 turning_jet_half_jerk(const struct scene_instant *at, const struct s
     by[1] = body_part_that_turns(at->v, body, vec3_add(by[1], jet_load_on(along, body, 1).torque));
     put_along_axes(along->orientation[body], inertia, omega, 2, momentum);
     for (int i = 0; i < 2; ++i) {
-        by[i] = vec3_sub(by[i], turning_jet_cross(omega, momentum, i));
+        by[i] = vec3_sub(by[i], jet_cross(omega, momentum, i));
     }
     put_along_axes(along->orientation[body], vec3_make(1.0 / inertia.x, 1.0 / inertia.y, 1.0 / inertia.z), by,
                    2, faster);
@@ -500,8 +478,8 @@ static void put_normal_rate(const struct contact_shape *shape, const struct cont
     double along[JET_TERMS], rho[JET_TERMS];
     for (int i = 0; i < 2; ++i) {
         moved[i] = path->seen[i];
-        rate[i] = contact_is_skew(shape) ? vec3_make(0.0, 0.0, 0.0)
-                                         : turning_jet_cross(path->destination, jet->normal, i);
+        rate[i] =
+            contact_is_skew(shape) ? vec3_make(0.0, 0.0, 0.0) : jet_cross(path->destination, jet->normal, i);
     }
     if (!contact_turns(shape, g)) {
         return;
@@ -514,8 +492,7 @@ static void put_normal_rate(const struct contact_shape *shape, const struct cont
         jet_across(path->terms, path->c, path->axis, radial, along);
         jet_direction(path->terms, radial, rho, to_axis);
         const double part[2] = {g->circumferential_part, -g->circumferential_part * rho[1] / rho[0]};
-        const struct vec3 b[2] = {turning_jet_cross(path->axis, to_axis, 0),
-                                  turning_jet_cross(path->axis, to_axis, 1)};
+        const struct vec3 b[2] = {jet_cross(path->axis, to_axis, 0), jet_cross(path->axis, to_axis, 1)};
         for (int i = 0; i < 2; ++i) {
             along[i] = jet_dot(b, path->seen, i);
             shared[i] = taylor_multiply(part, along, i);
@@ -625,28 +602,20 @@ void turning_jet_move_axis(const struct scene_instant *at, int body, int compone
     const double length = vec3_norm(body_prescribed_axis(at->v, body));
     const struct vec3 e = quaternion_third_axis(at->turning.body[body].orientation);
     struct vec3 by = {0.0, 0.0, 0.0};
-    vec3_set(&by, component, change / length);
+    *vec3_part(&by, component) = change / length;
     by = vec3_axpy(by, -vec3_dot(by, e), e);
     const struct quaternion turned = quaternion_rate(at->turning.body[body].orientation, vec3_cross(e, by));
     along->orientation[body][1] = quaternion_axpy(along->orientation[body][1], 1.0, turned);
 }
 
-void turning_jet_move_orientation(int body, struct quaternion unit, double length, int component,
-                                  double change, struct scene_jet *along)
+void turning_jet_move_orientation(const struct scene_instant *at, int body, struct quaternion given,
+                                  int component, double change, struct scene_jet *along)
 {
+    const struct quaternion unit = at->turning.body[body].orientation;
+    const double length = copysign(sqrt(quaternion_dot(given, given)), quaternion_dot(given, unit));
     struct quaternion by = {component == 0, component == 1, component == 2, component == 3};
     by = quaternion_scale(change / length, quaternion_axpy(by, -quaternion_dot(by, unit), unit));
     along->orientation[body][1] = quaternion_axpy(along->orientation[body][1], 1.0, by);
-}
-
-/* Returns coefficient `order` of the rotational energy omega.L / 2 of a body. */
-static double rotational_term(const struct scene_values *v, const struct scene_jet *along, int body,
-                              int order)
-{
-    struct vec3 momentum[JET_TERMS];
-    put_along_axes(along->orientation[body], body_inertia_of(v, body), along->angular_velocity[body],
-                   order + 1, momentum);
-    return 0.5 * jet_dot(along->angular_velocity[body], momentum, order);
 }
 
 struct scene_energies jet_energies_of(const struct scene_state *q, const struct scene_jet *along, int order)
@@ -659,7 +628,10 @@ struct scene_energies jet_energies_of(const struct scene_state *q, const struct 
             sum.potential -= mass * vec3_dot(gravity(q->v), along->displacement[i][order]);
         }
         if (SCENE_ANY_TURNING && body_turns_freely(q->v, i)) {
-            sum.rotational += rotational_term(q->v, along, i, order);
+            const struct vec3 *omega = along->angular_velocity[i];
+            struct vec3 momentum[JET_TERMS];
+            put_along_axes(along->orientation[i], body_inertia_of(q->v, i), omega, order + 1, momentum);
+            sum.rotational += 0.5 * jet_dot(omega, momentum, order);
         }
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {

@@ -35,10 +35,11 @@ struct scene_jet {
     struct vec3 spring[SCENE_CONTACTS][OPPOSED][JET_TERMS];
     double slip_velocity_slope[SCENE_CONTACTS]; /* d/ds of v_0 */
     struct turning_jet turning[SCENE_CONTACTS];
-    bool touching;    /* contacts that are apart are left out: their terms are zero */
-    bool first_order; /* of contacts, terms beyond the first order are not wanted */
-    bool jumps;       /* the inputs jump: springs of contacts without a free body are laid (opposed_laid) */
-    struct vec3 spring_before[SCENE_CONTACTS][OPPOSED]; /* the springs before the jump [m, rad] */
+    bool touching; /* contacts that are apart are left out: their terms are zero */
+    int terms;     /* number of terms of contacts that are wanted, 2 or JET_TERMS */
+    /* the springs before the inputs jump [m, rad]: the jump lays those of contacts without a free body
+     * (opposed_laid); NULL: no input jumps */
+    const struct vec3 (*spring_before)[OPPOSED];
     double friction[JET_TERMS]; /* energy that friction and its springs take; the first term is zero */
     /* only in scenes with free bodies; the first terms are zero */
     double time[JET_TERMS], dissipated[JET_TERMS], external_work[JET_TERMS];
@@ -74,12 +75,13 @@ CONTACT_COLD struct vec3 turning_jet_spring_change(const struct scene_instant *a
                                                    const struct scene_jet *along, int contact, int part);
 
 /* Puts the terms of the third axis of a body's frame. */
-CONTACT_COLD void jet_axis_of(const struct scene_jet *along, int body, struct vec3 axis[JET_TERMS]);
+void jet_axis_of(const struct scene_jet *along, int body, struct vec3 axis[JET_TERMS]);
 
-/* Puts the change of an orientation by a change of one component of a quaternion q of any length, with `unit`
- * = q / length. The change of its direction alone turns the body and its axis. */
-CONTACT_COLD void turning_jet_move_orientation(int body, struct quaternion unit, double length, int component,
-                                               double change, struct scene_jet *along);
+/* Puts the change of the orientation at the instant by a change of one component of the `given` quaternion,
+ * which has any length and either sign. The change of its direction alone turns the body and its axis. */
+CONTACT_COLD void turning_jet_move_orientation(const struct scene_instant *at, int body,
+                                               struct quaternion given, int component, double change,
+                                               struct scene_jet *along);
 
 /* Puts the change of the axis of a body of prescribed rotation by a change of the input axis. */
 CONTACT_COLD void turning_jet_move_axis(const struct scene_instant *at, int body, int component,

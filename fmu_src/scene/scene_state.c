@@ -220,16 +220,6 @@ bool contact_transmits(const struct scene_state *q, int contact)
            (regime == REGIME_SEPARATING && any_spring_is_drawn(q, contact));
 }
 
-bool scene_is_apart(const struct scene_state *q)
-{
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (q->contact[j].regime != REGIME_APART) {
-            return false;
-        }
-    }
-    return true;
-}
-
 bool contact_pushes(const struct scene_state *q, int contact)
 {
     return contact_transmits(q, contact) && !contact_is_prescribed(q->v, contact);
@@ -250,43 +240,34 @@ bool body_is_loaded(const struct scene_state *q, int body, int except)
 #endif
 }
 
-/* Returns the contact that stands for the island of a contact. Contacts form a forest, in which `above` leads
- * from each towards its root. */
-static int island_of(int16_t *above, int contact)
-{
-    while (above[contact] != contact) {
-        above[contact] = above[above[contact]];
-        contact = above[contact];
-    }
-    return contact;
-}
-
 struct islands scene_islands(const struct scene_state *q)
 {
     struct islands found = {0};
-    int16_t above[SCENE_CONTACTS];
     int number[SCENE_CONTACTS];
     int latest[SCENE_BODIES]; /* the latest contact in touch of each body */
     int size[SCENE_CONTACTS] = {0};
     memset(latest, -1, sizeof latest);
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+    memset(number, -1, sizeof number);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) { /* until all are joined, one of its contacts names an island */
         const int ends[2] = {contact_source(j), contact_destination(j)};
-        above[j] = (int16_t)j;
-        for (int k = 0; k < 2 && q->contact[j].regime != (int32_t)REGIME_APART; ++k) {
-            if (body_moves_freely(q->v, ends[k]) && latest[ends[k]] >= 0) {
-                above[island_of(above, j)] = (int16_t)island_of(above, latest[ends[k]]);
+        found.of[j] = q->contact[j].regime != (int32_t)REGIME_APART ? j : -1;
+        for (int k = 0; k < 2 && found.of[j] >= 0; ++k) {
+            const int own = found.of[j];
+            const bool joins = body_moves_freely(q->v, ends[k]) && latest[ends[k]] >= 0;
+            const int other = joins ? found.of[latest[ends[k]]] : own;
+            for (int i = own == j ? j : 0; own != other && i <= j; ++i) { /* j alone has the name j */
+                found.of[i] = found.of[i] == own ? other : found.of[i];
             }
             latest[ends[k]] = j;
         }
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        found.of[j] = -1;
-        if (q->contact[j].regime != (int32_t)REGIME_APART) {
-            const int root = island_of(above, j);
-            const int contacts = ++size[root];
-            number[root] = contacts == 1 ? found.count++ : number[root];
-            found.of[j] = number[root];
-            found.largest = contacts > found.largest ? contacts : found.largest;
+        const int name = found.of[j];
+        if (name >= 0) {
+            number[name] = number[name] < 0 ? found.count++ : number[name];
+            found.of[j] = number[name];
+            ++size[name];
+            found.largest = size[name] > found.largest ? size[name] : found.largest;
         }
     }
     return found;
@@ -388,8 +369,7 @@ struct contact_shape scene_whole_shape(const struct scene_state *q, int contact)
     }
     if (contact_has_skew_axes(v, contact)) {
         const int source = contact_source(contact);
-        contact_make_skew(&shape, (struct skew_axes){body_unit_axis(v, source), shape.axis,
-                                                     half_of(v, source), half_of(v, destination)});
+        contact_make_skew(&shape, body_unit_axis(v, source), half_of(v, source), half_of(v, destination));
     }
     return shape;
 }

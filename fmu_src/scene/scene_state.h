@@ -210,9 +210,10 @@ struct scene_state {
     struct step_plan plan;   /* may hold INFINITY */
     struct body_origin origin[SCENE_BODIES]; /* used where the body is free */
     struct body_state body[SCENE_BODIES];
-    double phase_energy;              /* projection_balance at the start of the phase [J] */
-    double dissipated, external_work; /* since initialization [J] */
-    double friction_energy;           /* taken by friction and its springs since initialization [J] */
+    double phase_energy; /* projection_balance at the start of the phase [J] */
+    /* since initialization [J]; friction_energy is taken by friction and its springs. The file scene/ode.c
+     * copies these three numbers at once. */
+    double dissipated, external_work, friction_energy;
     double step_length; /* length of the part of the last communication step that was completed [s] */
     struct body_path path[SCENE_BODIES];
     struct solver_counters counters;
@@ -306,9 +307,6 @@ bool scene_is_force_element(const struct scene_values *v);
 /* Whether the motion may be integrated as differential equations (scene/ode.h): by CVODE, or by the general
  * segment of event_driven, for bodies in several contacts and where something turns or rubs. */
 bool scene_uses_ode(const struct scene_values *v);
-
-/* Whether no bodies overlap. */
-bool scene_is_apart(const struct scene_state *q);
 
 /* Whether a contact transmits a force: it is in compression or restitution. A separating contact counts too
  * while a spring of its friction relaxes, because no closed form has the spring. Whether any contact but

@@ -8,7 +8,7 @@
  * change, so that two bounds are needed; four leave room. */
 static const double MARGIN_ROUNDINGS = 4.0;
 
-double regime_touch_margin(const struct scene_instant *at, int contact)
+static double touch_event(const struct scene_instant *at, int contact)
 {
     const struct contact_shape shape = scene_contact_shape(at->q, contact);
     const struct contact_geometry *g = &at->geometry[contact];
@@ -18,15 +18,15 @@ double regime_touch_margin(const struct scene_instant *at, int contact)
     }
     const double margin = fmax(g->gap, scene_beyond_ends(&shape, g));
     const bool apart = at->q->contact[contact].regime == (int32_t)REGIME_APART;
-    return apart ? margin + MARGIN_ROUNDINGS * rounding : margin - MARGIN_ROUNDINGS * rounding;
+    return (apart ? margin : -margin) + MARGIN_ROUNDINGS * rounding;
 }
 
-double regime_dashpot_margin(const struct scene_instant *at, int contact)
+static double law_event(const struct scene_instant *at, int contact)
 {
     const struct contact_law law = scene_contact_law(at->q, contact);
     const enum contact_regime regime = (enum contact_regime)at->q->contact[contact].regime;
     if (regime == REGIME_APART || !contact_has_events(&law)) {
-        return 1.0;
+        return (double)INFINITY;
     }
     const struct contact_geometry *g = &at->geometry[contact];
     const double tolerated =
@@ -34,31 +34,7 @@ double regime_dashpot_margin(const struct scene_instant *at, int contact)
     const double rounding = rounding_of_event(at, contact, tolerated);
     const double event = contact_event(&law, regime, g->gap, g->gap_rate) + MARGIN_ROUNDINGS * rounding;
     /* with an approach-only dashpot the event function is a gap rate; 1 of Hertz's law counts as 1 N */
-    const double margin = law.dashpot == DASHPOT_APPROACH_ONLY ? law.damping * event : event;
-    return regime == REGIME_COMPRESSION ? margin : -margin;
-}
-
-double regime_zone_margin(const struct scene_instant *at, int contact)
-{
-    return zones_margin(at, contact) + MARGIN_ROUNDINGS * rounding_of_gap(at, contact);
-}
-
-enum contact_regime regime_by_margins(const struct scene_instant *at, int contact)
-{
-    const enum contact_regime regime = (enum contact_regime)at->q->contact[contact].regime;
-    const struct contact_law law = scene_contact_law(at->q, contact);
-    const double touch = regime_touch_margin(at, contact);
-    const bool apart = regime == REGIME_APART;
-    const bool touches = apart ? touch <= 0.0 : touch < 0.0; /* at zero either regime ends */
-    if (!touches) {
-        return REGIME_APART;
-    }
-    if (apart) {
-        return scene_regime(at, contact, false);
-    }
-    const double margin = regime_dashpot_margin(at, contact);
-    const bool within = regime == REGIME_COMPRESSION ? margin > 0.0 : margin < 0.0;
-    return within || !contact_has_events(&law) ? regime : contact_regime_after(&law, regime);
+    return law.dashpot == DASHPOT_APPROACH_ONLY ? law.damping * event : event;
 }
 
 /* Returns the error of an opposed motion that the solver's tolerances allow [m/s, rad/s]. */
@@ -69,46 +45,56 @@ static double tolerated_motion(const struct scene_instant *at, int contact, int 
     return solver_relative_tolerance(at->v) * size + solver_absolute_tolerance(at->v);
 }
 
-/* Sets the event functions of friction. They are raised by their rounding errors and by the errors that the
- * tolerance allows in speeds, so that they fall below zero only beyond doubt. Returns false where there is no
- * friction. */
-static bool raised_friction_events(const struct scene_instant *at, int contact,
-                                   double events[ODE_EVENTS_EACH])
+/* Returns an event function (scene/ode.h), which is positive within the present regimes; INFINITY where the
+ * contact has no such event. It is raised by its rounding error and by the errors that the tolerance allows
+ * in speeds, so that it falls below zero only beyond doubt. */
+static double raised_event(const struct scene_instant *at, int contact, enum ode_event event)
 {
     double offset[ODE_EVENTS_EACH];
+    double events[ODE_EVENTS_EACH];
+    if (event == ODE_EVENT_GAP) {
+        return touch_event(at, contact);
+    }
+    if (event == ODE_EVENT_LAW) {
+        return law_event(at, contact);
+    }
+    if ((int)event == (int)ODE_EVENT_ZONE) {
+        return zones_margin(at, contact) + MARGIN_ROUNDINGS * rounding_of_gap(at, contact);
+    }
     if (!contact_rubs(at->v, contact) || !contact_transmits(at->q, contact)) {
-        return false;
+        return (double)INFINITY;
     }
     turning_friction_events(at, contact, tolerated_motion(at, contact, OPPOSED_SLIP),
                             solver_relative_tolerance(at->v), solver_absolute_tolerance(at->v), offset,
                             events);
-    return true;
+    return events[event];
 }
 
-double regime_friction_margin(const struct scene_instant *at, int contact, enum ode_event event)
+double regime_margin(const struct scene_instant *at, int contact, enum ode_event event)
 {
-    double events[ODE_EVENTS_EACH];
-    if (!raised_friction_events(at, contact, events)) {
-        return 1.0;
-    }
-    const int32_t regime = at->q->contact[contact].friction_regime[ode_event_part(event)];
-    const bool is_beyond = event == ODE_EVENT_CAP    ? regime == (int32_t)FRICTION_CAPPED
-                           : event == ODE_EVENT_LIFT ? regime == (int32_t)FRICTION_LIFTED
-                                                     : regime != (int32_t)FRICTION_STICKING;
-    return is_beyond ? -events[event] : events[event];
+    const struct contact_state *state = &at->q->contact[contact];
+    const int32_t friction = state->friction_regime[ode_event_part(event)];
+    const bool is_beyond = event == ODE_EVENT_GAP              ? state->regime != (int32_t)REGIME_APART
+                           : event == ODE_EVENT_LAW            ? state->regime != (int32_t)REGIME_COMPRESSION
+                           : (int)event == (int)ODE_EVENT_ZONE ? false
+                           : event == ODE_EVENT_CAP            ? friction == (int32_t)FRICTION_CAPPED
+                           : event == ODE_EVENT_LIFT           ? friction == (int32_t)FRICTION_LIFTED
+                                                               : friction != (int32_t)FRICTION_STICKING;
+    const double raised = raised_event(at, contact, event);
+    return !(raised < (double)INFINITY) ? 1.0 : is_beyond ? -raised : raised;
 }
 
-enum ode_event regime_friction_event(const struct scene_instant *at, int contact)
+int regime_event(const struct scene_instant *at, int contact)
 {
-    double events[ODE_EVENTS_EACH];
-    const bool rubs = raised_friction_events(at, contact, events);
-    for (int event = ODE_EVENT_STICK; rubs && event < ODE_EVENT_ZONE; ++event) {
-        if (events[event] < 0.0 || (events[event] == 0.0 && at->normal_force[contact] > 0.0)) {
-            /* at zero force friction has just begun */
-            return (enum ode_event)event;
+    for (int event = 0; event < ODE_EVENTS_EACH; ++event) {
+        const double raised = raised_event(at, contact, (enum ode_event)event);
+        const bool is_friction = event > ODE_EVENT_LAW && event != ODE_EVENT_ZONE;
+        /* at zero force friction has just begun */
+        if (raised < 0.0 || (raised == 0.0 && !(is_friction && at->normal_force[contact] <= 0.0))) {
+            return event;
         }
     }
-    return ODE_EVENT_GAP;
+    return -1;
 }
 
 /* An opposed motion of a contact (contact/friction.h), whose regime and spring change with events. */
@@ -340,7 +326,9 @@ static void reconsider(const struct rubbed *r)
     } else if (regime == FRICTION_LIFTED) {
         end_lifting(r);
     } else if (regime == FRICTION_STICKING) {
-        if (friction_stick_event(&r->law, regime, turning_rubbing(&at, r->contact, r->part), 0.0) < 0.0) {
+        const struct friction_state rubbing = turning_rubbing(&at, r->contact, r->part);
+        if (friction_stick_event(&r->law, regime, rubbing, 0.0) < 0.0 ||
+            friction_cap_event(&r->law, regime, rubbing) < 0.0) {
             slide(r, true);
         }
     } else {
@@ -348,11 +336,11 @@ static void reconsider(const struct rubbed *r)
     }
 }
 
-void turning_take_regime(struct scene_state *q, int contact, enum contact_regime before)
+/* Sets friction after a contact has left the regime `before`. Where the force begins, friction begins with a
+ * spring at rest, and sticks if sticking persists. Where the force ends, friction ends, and the energy in its
+ * spring is dissipated. Else friction goes on in the regime that the new force asks for. */
+static void take_regime_of_law(struct scene_state *q, int contact, enum contact_regime before)
 {
-    if (!contact_rubs(q->v, contact)) {
-        return;
-    }
     const enum contact_regime now = (enum contact_regime)q->contact[contact].regime;
     for (int i = 0; i < contact_opposed(q->v, contact); ++i) {
         const struct rubbed r = rubbed_of(q, contact, i);
@@ -380,10 +368,8 @@ void turning_take_event(struct scene_state *q, int contact, enum ode_event event
         stick(&r, regime, turning_rubbing(&at, contact, r.part));
     } else if (event == ODE_EVENT_CAP) {
         *r.regime = (int32_t)(regime == FRICTION_CAPPED ? FRICTION_SLIDING : FRICTION_CAPPED);
-    } else if (regime == FRICTION_LIFTED) {
-        change_all(q, contact, end_lifting);
     } else {
-        change_all(q, contact, lift_friction);
+        change_all(q, contact, regime == FRICTION_LIFTED ? end_lifting : lift_friction);
     }
 }
 
@@ -400,8 +386,8 @@ void transition_set_regime(struct scene_state *q, int contact, enum contact_regi
     } else if (SCENE_ANY_FREE && before != REGIME_APART && regime == REGIME_APART) {
         state->record.last_duration = q->clock - state->record.touch_clock;
     }
-    if (SCENE_ANY_FRICTION) {
-        turning_take_regime(q, contact, before);
+    if (contact_rubs(q->v, contact)) {
+        take_regime_of_law(q, contact, before);
     }
 }
 
@@ -434,13 +420,17 @@ static void begin_phase(struct scene_state *q, const struct scene_instant *at)
     q->phase_energy = scene_uses_ode(at->v) ? projection_balance(at) : 0.0;
 }
 
-/* Raises the peaks of the communication step to the values of the instant. */
-static void note_peaks_of(struct scene_state *q, const struct scene_instant *at)
+/* Raises the peaks of the communication step to the values of the instant, and notes the normals, which serve
+ * later where the distance d is zero. */
+CONTACT_FLATTEN static void note_instant(struct scene_state *q, const struct scene_instant *at)
 {
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         struct contact_state *state = &q->contact[j];
         if (state->regime != REGIME_APART) {
             contact_peaks_note(&state->peaks, scene_outward_force(at, j), -at->geometry[j].gap);
+        }
+        if (SCENE_ANY_FREE) {
+            state->physics.normal = at->geometry[j].normal;
         }
     }
 }
@@ -475,7 +465,7 @@ void transition_change_regime(struct scene_state *q, int contact, enum contact_r
     const double lasted = q->clock;
     scene_rebase(q);
     scene_kinematics_now(q, at);
-    note_peaks_of(q, at);
+    note_instant(q, at);
     const double before = energy_stored(at);
     at->geometry[contact].gap = gap_at_change(at, contact, regime, lasted);
     q->contact[contact].physics.accumulated_gap = at->geometry[contact].gap;
@@ -487,7 +477,7 @@ void transition_change_regime(struct scene_state *q, int contact, enum contact_r
     q->dissipated += before - energy_stored(at); /* what the stored energy loses by the change */
     counter_add(&q->counters.events, 1);
     begin_phase(q, at);
-    note_peaks_of(q, at);
+    note_instant(q, at);
 }
 
 void transition_change_friction(struct scene_state *q, int contact, enum ode_event event,
@@ -498,7 +488,7 @@ void transition_change_friction(struct scene_state *q, int contact, enum ode_eve
     counter_add(&q->counters.events, 1);
     scene_kinematics_now(q, at);
     begin_phase(q, at);
-    note_peaks_of(q, at);
+    note_instant(q, at);
 }
 
 void transition_settle_regimes(struct scene_state *q, double stored_before, bool starting)
@@ -507,8 +497,7 @@ void transition_settle_regimes(struct scene_state *q, double stored_before, bool
     scene_now(q, &at);
     for (int j = 0; SCENE_ANY_ZONES && j < SCENE_CONTACTS; ++j) {
         if (zones_margin(&at, j) < -rounding_of_gap(&at, j)) { /* the source faces another zone */
-            const struct contact_shape shape = scene_contact_shape_at(&at, j);
-            q->contact[j].zone = contact_zone_at(&shape.solid, 0, at.separation[j]);
+            (void)zones_pass(q, &at, j);
             scene_now(q, &at);
         }
     }
@@ -536,24 +525,6 @@ void transition_take_law(struct scene_state *q, const bool *changed, double stor
     }
     q->external_work += energy_stored(&at) - stored_before;
     begin_phase(q, &at);
-}
-
-void transition_scale_force_error(struct scene_state *q, int contact, struct contact_coefficients next)
-{
-    const struct contact_coefficients *now = &q->contact[contact].parameters.factors;
-    const double by_gap = now->k > 0.0 ? next.k / now->k : 1.0;
-    const double by_rate = now->c > 0.0 ? next.c / now->c : 1.0;
-    double *error = &q->contact[contact].physics.force_error;
-    *error = fmin(*error * fmax(1.0, fmax(by_gap, by_rate)), DBL_MAX);
-}
-
-/* Notes the peaks, and the normals, which serve later where the distance d is zero. */
-static void note_instant(struct scene_state *q, const struct scene_instant *at)
-{
-    note_peaks_of(q, at);
-    for (int j = 0; SCENE_ANY_FREE && j < SCENE_CONTACTS; ++j) {
-        q->contact[j].physics.normal = at->geometry[j].normal;
-    }
 }
 
 void transition_begin_step(struct scene_state *q, struct scene_instant *at)

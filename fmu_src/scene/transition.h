@@ -10,38 +10,14 @@
 #include "scene/evaluate.h"
 #include "scene/ode.h"
 
-/* Returns the larger of the gap and the source's distance beyond the ends of a cylinder [m]: positive without
- * contact, negative in contact. */
-double regime_touch_margin(const struct scene_instant *at, int contact);
+/* Returns the margin of an event of a contact: positive in the regimes before the change, negative in those
+ * beyond it, and 1 where no change is possible. The margin of the touch is the larger of the gap and the
+ * source's distance beyond the ends of a cylinder [m]. The margin of the law is F_n of the full law, or with
+ * an approach-only dashpot the viscous part of F_n [N]. */
+double regime_margin(const struct scene_instant *at, int contact, enum ode_event event);
 
-/* Returns the force whose zero changes the regime [N]: F_n of the full law, or with an approach-only dashpot
- * the viscous part of F_n. The force is positive in compression, negative in restitution and while
- * separating, and 1 N where the law has no events. */
-double regime_dashpot_margin(const struct scene_instant *at, int contact);
-
-/* Returns the distance of the source's centre from the edges of the contact's zone [m]; 1 m where the
- * contact has no zone. */
-double regime_zone_margin(const struct scene_instant *at, int contact);
-
-/* Returns one of the event functions of friction (contact/friction.h): for sticking and sliding, for the
- * largest friction force, or for a dashpot that pulls. It is positive in the regimes before the change,
- * negative in those beyond, and 1 where no change is possible. */
-double regime_friction_margin(const struct scene_instant *at, int contact, enum ode_event event);
-
-/* Returns the event of friction whose margin has passed zero, or ODE_EVENT_GAP where none has. */
-enum ode_event regime_friction_event(const struct scene_instant *at, int contact);
-
-/* Returns the regime by the touch margin and the dashpot margin: the present one unless a margin has passed
- * zero. */
-enum contact_regime regime_by_margins(const struct scene_instant *at, int contact);
-
-/*
- * Sets friction after a contact has changed its regime from `before` at the present instant. Where the force
- * begins, friction begins with a spring at rest, and sticks if sticking persists. Where the force ends,
- * friction ends, and the energy in its spring is dissipated. Else friction goes on in the regime that the new
- * force asks for. Nothing is done where the contact does not rub.
- */
-void turning_take_regime(struct scene_state *q, int contact, enum contact_regime before);
+/* Returns the first event of a contact whose margin has passed zero (enum ode_event), or -1. */
+int regime_event(const struct scene_instant *at, int contact);
 
 /* Changes the regime of friction after an event of friction (enum ode_event) at the present instant. */
 void turning_take_event(struct scene_state *q, int contact, enum ode_event event);
@@ -77,10 +53,6 @@ void transition_settle_regimes(struct scene_state *q, double stored_before, bool
  * external work.
  */
 void transition_take_law(struct scene_state *q, const bool *changed, double stored_before);
-
-/* Scales the error bound of a contact's force [N] to the new factors. Errors of the gap and its rate make
- * this error, and the factors multiply them. */
-void transition_scale_force_error(struct scene_state *q, int contact, struct contact_coefficients next);
 
 /* Begin and end a communication step, over which peaks and mean force are taken. `at` becomes the present
  * instant. */

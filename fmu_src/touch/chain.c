@@ -70,7 +70,8 @@ static bool is_spring(const struct scene_state *q, int contact)
            contact_factors_of(&law, REGIME_COMPRESSION).k > 0.0;
 }
 
-static bool chain_add(struct chain *c, const struct scene_instant *at, int contact)
+/* Sets the row after the last one. Returns false where the contact cannot be one of a chain. */
+static bool put_row(struct chain *c, const struct scene_instant *at, int contact)
 {
     const struct contact_geometry *g = &at->geometry[contact];
     const struct contact_shape shape = scene_contact_shape(at->q, contact);
@@ -92,12 +93,11 @@ static bool chain_add(struct chain *c, const struct scene_instant *at, int conta
     c->root[i] = sqrt(contact_factors_of(&law, REGIME_COMPRESSION).k);
     const double missing = contact_transmits(at->q, contact) ? c->gap[i] : -c->gap[i];
     c->offset[i] = fmax(missing, 0.0) + rounding_of_gap(at, contact);
-    c->rows += 1;
     return true;
 }
 
-/* Notes the inverse masses that a contact shares with the contacts in touch. Returns whether the forces of
- * those contacts leave its normal as it is. */
+/* Notes the inverse masses that a row shares with the contacts in touch. Returns whether the forces of those
+ * contacts leave its normal as it is. */
 static bool keeps_normal(struct chain *c, int row, const struct scene_state *q)
 {
     const struct contact_shape shape = scene_contact_shape(q, c->contact[row]);
@@ -107,16 +107,6 @@ static bool keeps_normal(struct chain *c, int row, const struct scene_state *q)
         keeps = c->shared[row][j] == 0.0 || goes_along(&shape, c->push[row], c->push[j], 1.0);
     }
     return keeps;
-}
-
-bool chain_has(const struct chain *c, int contact)
-{
-    for (int i = 0; i < c->rows; ++i) {
-        if (c->contact[i] == contact) {
-            return true;
-        }
-    }
-    return false;
 }
 
 /* Turns two rows, or with a stride two columns. */
@@ -176,16 +166,14 @@ static bool make_modes(struct chain *c)
     double s[CHAIN_MOST][CHAIN_MOST];
     double q[CHAIN_MOST][CHAIN_MOST];
     const int n = c->touching;
+    double largest = 0.0;
+    double least = (double)INFINITY;
     for (int i = 0; i < n; ++i) {
         for (int j = 0; j < n; ++j) {
             s[i][j] = c->root[i] * c->root[j] * vec3_dot(c->push[i], c->push[j]) * c->shared[i][j];
         }
-    }
-    double largest = 0.0;
-    double least = (double)INFINITY;
-    for (int k = 0; k < n; ++k) {
-        largest = fmax(largest, s[k][k]);
-        least = fmin(least, s[k][k]);
+        largest = fmax(largest, s[i][i]);
+        least = fmin(least, s[i][i]);
     }
     if (largest > MOST_RATIO * least) {
         return false;
@@ -324,9 +312,10 @@ static struct gap_at chain_gap_at(const struct chain *c, int row, const struct c
  * swing. A mode without frequency moves no gap, because the bodies cannot move so. */
 static void bound_gaps(struct chain *c)
 {
-    for (int i = 0; i < c->touching; ++i) {
-        c->least[i] = c->most[i] = c->gap[i];
-        c->bend[i] = 0.0;
+    for (int i = 0; i < c->rows; ++i) {
+        c->least[i] = c->gap[i];
+        c->most[i] = i < c->touching ? c->gap[i] : (double)INFINITY;
+        c->bend[i] = i < c->touching ? 0.0 : (double)INFINITY;
     }
     for (int k = 0; k < c->touching; ++k) {
         const double square = c->frequency[k] * c->frequency[k];
@@ -404,7 +393,7 @@ static double change_within(const struct chain *c, int row, const struct chain_p
     const struct gap_at g = chain_gap_at(c, row, &piece->start);
     /* no gap in the piece is larger than the gap at its start and this bound of the gap at its end */
     const double largest_gap = g.gap + length * (g.rate + 0.5 * length * c->bend[row]);
-    if (row < c->touching && g.gap < 0.0 && largest_gap < 0.0) {
+    if (g.gap < 0.0 && largest_gap < 0.0) {
         return (double)INFINITY;
     }
     make_event(c, row, piece, g, event);
@@ -414,8 +403,8 @@ static double change_within(const struct chain *c, int row, const struct chain_p
 
 void chain_find_end(struct chain *c, double longest)
 {
-    bool any = c->rows > c->touching;
-    for (int i = 0; i < c->touching; ++i) {
+    bool any = false;
+    for (int i = 0; i < c->rows; ++i) {
         any = any || c->most[i] >= 0.0;
     }
     c->terminal = -1;
@@ -425,8 +414,7 @@ void chain_find_end(struct chain *c, double longest)
         const double to = fmin(from + 1.0 / c->fastest, c->end);
         make_piece(c, from, to, &piece);
         for (int i = 0; i < c->rows; ++i) {
-            const bool may_change = i >= c->touching || c->most[i] >= 0.0;
-            const double change = may_change ? change_within(c, i, &piece, from) : (double)INFINITY;
+            const double change = c->most[i] >= 0.0 ? change_within(c, i, &piece, from) : (double)INFINITY;
             if (change < c->end) {
                 c->end = change;
                 c->terminal = i;
@@ -457,14 +445,17 @@ bool chain_make(struct chain *c, const struct scene_instant *at)
 {
     const struct scene_state *q = at->q;
     c->rows = 0;
+    memset(c->has, 0, sizeof c->has);
     if (scene_turns(q->v)) {
         return false;
     }
     note_sizes(c, at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (contact_pushes(q, j) && !(is_spring(q, j) && chain_add(c, at, j))) {
+        const bool pushes = contact_pushes(q, j);
+        if (pushes && !(is_spring(q, j) && put_row(c, at, j))) {
             return false;
         }
+        c->rows += pushes ? 1 : 0;
     }
     c->touching = c->rows;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
@@ -472,8 +463,9 @@ bool chain_make(struct chain *c, const struct scene_instant *at)
         if (is_pushed && q->contact[j].regime == (int32_t)REGIME_SEPARATING) {
             return false; /* it may push again before it parts */
         }
-        if (is_pushed && chain_add(c, at, j) && !keeps_normal(c, c->rows - 1, q)) {
-            c->rows -= 1;
+        if (is_pushed && put_row(c, at, j) && keeps_normal(c, c->rows, q)) {
+            c->has[j] = true;
+            c->rows += 1;
         }
     }
     for (int i = 0; i < c->touching; ++i) {

@@ -31,6 +31,7 @@ struct chain {
      * their gaps head-on */
     int touching, rows;
     int contact[CHAIN_MOST];
+    bool has[SCENE_CONTACTS];        /* whether a contact apart is one of the rows */
     struct vec3 push[CHAIN_MOST];    /* u */
     struct vec3 lever[CHAIN_MOST];   /* part of c across u, which gives the torque on a destination [m] */
     double gap[CHAIN_MOST];          /* g at the start [m] */
@@ -45,9 +46,9 @@ struct chain {
     double start[CHAIN_MOST];      /* z at the start [sqrt(N m)] */
     double start_rate[CHAIN_MOST]; /* z' */
     double start_bend[CHAIN_MOST]; /* z'' */
-    double least[CHAIN_MOST];      /* bounds of the gap of a contact in touch for all time [m] */
-    double most[CHAIN_MOST];
-    double bend[CHAIN_MOST];   /* bound of its |g''| [m/s^2] */
+    /* bounds of the gap of a contact in touch for all time [m], and of its |g''| [m/s^2]; of a contact apart
+     * the upper bounds are INFINITY */
+    double least[CHAIN_MOST], most[CHAIN_MOST], bend[CHAIN_MOST];
     double offset[CHAIN_MOST]; /* a contact changes where its gap passes zero by more than this [m] */
     double fastest;            /* the largest frequency [1/s] */
     double speed, pull;        /* largest speed [m/s] and acceleration [m/s^2] of free bodies at the start */
@@ -57,9 +58,6 @@ struct chain {
 
 /* Makes the chain of all contacts in touch from the present instant. Returns false where it is none. */
 bool chain_make(struct chain *c, const struct scene_instant *at);
-
-/* Whether the gap of a contact is one of the chain's. */
-bool chain_has(const struct chain *c, int contact);
 
 /* Finds the first contact of the chain that begins or ends within `longest` seconds. */
 void chain_find_end(struct chain *c, double longest);

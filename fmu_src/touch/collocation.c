@@ -51,25 +51,32 @@ static void note_angles(struct collocation *p)
     }
 }
 
-/* Sets what an oscillation y adds to the changes of n and H at constant load, acceleration and d. y changes
+/* Adds what an oscillation y adds to the changes of n and H at constant load, acceleration and d. y changes
  * their rates by P y, where P varies slowly. The integral of P y is -P (y' + damping_rate y) / omega2, up to
  * terms smaller by the ratio of the slow rate to the oscillation's. */
-static void put_correction(const struct collocation *p, const struct rim_state *at, struct vec3 acceleration,
-                           double y, double y_rate, double correction[COLLOCATION_CHANGES])
+static void add_correction(const struct collocation *p, const struct rim_state *at, struct vec3 acceleration,
+                           double y, double y_rate, double change[COLLOCATION_CHANGES])
 {
     const double by = collocation_oscillation_integral(p, y, y_rate);
-    rim_slopes_by_distance(&p->from.rim, at, acceleration, correction);
+    double slopes[COLLOCATION_CHANGES];
+    rim_slopes_by_distance(at, acceleration, slopes);
     for (int k = 0; k < COLLOCATION_CHANGES; ++k) {
-        correction[k] *= by;
+        change[k] += by * slopes[k];
     }
 }
 
-/* Integrates two changes at the nodes from their rates; returns the largest difference to the last sweep. */
-static double integrate_two(struct collocation *p, int first)
+/* Returns how far a unit of one change moves the centre in the step: rho or d for an angle [m], and the step
+ * divided by these lengths for a momentum [s/m]. */
+static double length_of(const struct collocation *p, int k)
 {
-    struct collocation_result *made = &p->result;
-    return larger(nodal_integrate(p->nodes, made->rate[first], made->change[first]),
-                  nodal_integrate(p->nodes, made->rate[first + 1], made->change[first + 1]));
+    const double length = k % COLLOCATION_ANGLES == 0 ? p->from.rim.rho : p->from.rim.distance;
+    return k < COLLOCATION_ANGLES ? length : 2.0 * p->half / length;
+}
+
+/* Integrates a change at the nodes from its rate; returns the largest difference to the last sweep [m]. */
+static double integrate_change(struct collocation *p, int k)
+{
+    return length_of(p, k) * nodal_integrate(p->result.rate[k], p->result.change[k]);
 }
 
 /* A step turns by about two radians of tangential motion. Sweep k multiplies the error by about these radians
@@ -96,7 +103,7 @@ static void linearize(struct collocation *p, double *load)
     nodal_values rate;
     for (int i = 0; i < LOBATTO_MAX; ++i) {
         const double push = hertz_push(p, i);
-        rate[i] = nodal_slope(p->result.slow, LOBATTO_MAX, 1.0 + p->nodes->node[i]);
+        rate[i] = nodal_slope(p->result.slow, nodal_place(i));
         load[i] += push * (1.0 - chi * rate[i]);
         mean.omega2 -= 1.5 * push / p->result.x[i] * (1.0 - chi * rate[i]) / LOBATTO_MAX;
         mean.damping_rate += push * chi / LOBATTO_MAX;
@@ -110,11 +117,11 @@ static void linearize(struct collocation *p, double *load)
 /* x = s + y: s is the particular solution for the load, y the free oscillation from the start values. */
 static void oscillator_response(struct collocation *p, double softening)
 {
-    oscillator_particular(&p->result.oscillator, p->result.load, p->result.slow, LOBATTO_MAX);
-    nodal_values_of(p->nodes, p->result.slow, p->result.x);
+    oscillator_particular(&p->result.oscillator, 1.0, p->result.load, p->result.slow, LOBATTO_MAX);
+    nodal_values_of(p->result.slow, p->result.x);
     p->result.oscillator.omega2 += softening;
     p->result.y = p->from.deviation - p->result.x[0];
-    p->result.y_rate = p->half * p->from.radial - nodal_slope(p->result.slow, LOBATTO_MAX, 0.0);
+    p->result.y_rate = p->half * p->from.radial - nodal_slope(p->result.slow, 0.0);
 }
 
 /* (D + slower)(D + faster) x = load with D = d/ds. u = (D + slower) x is the particular solution of (D +
@@ -125,19 +132,19 @@ static void overdamped_response(struct collocation *p)
     nodal_values u;
     nodal_values u_at_nodes;
     nodal_values rate = {0.0};
-    relaxation_particular(rates.faster, p->result.load, u, LOBATTO_MAX);
-    nodal_values_of(p->nodes, u, u_at_nodes);
+    oscillator_particular(&(struct oscillator){rates.faster, 1.0}, 0.0, p->result.load, u, LOBATTO_MAX);
+    nodal_values_of(u, u_at_nodes);
     const double fast = p->half * p->from.radial + rates.slower * p->from.deviation - u_at_nodes[0];
     p->result.y = -fast / (rates.faster - rates.slower);
     p->result.y_rate = -rates.faster * p->result.y;
     for (int i = 0; i < LOBATTO_MAX; ++i) {
         rate[i] = u_at_nodes[i] - rates.slower * p->result.x[i];
     }
-    (void)nodal_integrate(p->nodes, rate, p->result.x);
+    (void)nodal_integrate(rate, p->result.x);
     for (int i = 0; i < LOBATTO_MAX; ++i) {
         p->result.x[i] += p->from.deviation - p->result.y;
     }
-    nodal_coefficients(p->nodes, p->result.x, p->result.slow);
+    nodal_coefficients(p->result.x, p->result.slow);
 }
 
 /* Columns of the matrix below have room for the zeros behind them (lu.h). */
@@ -151,12 +158,12 @@ static void follow_rate(struct collocation *p, const double *rate, const double 
     double missing[CREEP_STRIDE] = {0.0};
     int pivot[LOBATTO_MAX];
     const struct lu_matrix system = {LOBATTO_MAX, CREEP_STRIDE, at, pivot};
-    (void)nodal_integrate(p->nodes, rate, missing);
+    (void)nodal_integrate(rate, missing);
     for (int j = 0; j < LOBATTO_MAX; ++j) {
         missing[j] += p->from.deviation - p->result.x[j];
         for (int i = 0; i < LOBATTO_MAX; ++i) {
             at[j * CREEP_STRIDE + i] =
-                p->nodes->integral[j * LOBATTO_MAX + i] * slope[j] + (i == j ? 1.0 : 0.0);
+                NODAL_RULE->integral[j * LOBATTO_MAX + i] * slope[j] + (i == j ? 1.0 : 0.0);
         }
     }
     if (lu_factor(system)) {
@@ -181,7 +188,7 @@ static void creeping_response(struct collocation *p, const double *load)
         const double push = hertz_push(p, i);
         const double decay = p->from.chi / p->half * fabs(push);
         double x[4];
-        nodal_derivatives(p->result.slow, LOBATTO_MAX, 1.0 + p->nodes->node[i], x);
+        nodal_derivatives(p->result.slow, nodal_place(i), x);
         bend[i] = x[2];
         right[i] = (load[i] + push - bend[i]) / decay;
         slope[i] = 1.5 * load[i] / (decay * p->result.x[i]);
@@ -192,13 +199,13 @@ static void creeping_response(struct collocation *p, const double *load)
     }
     nodal_values rate = {0.0};
     nodal_values a;
-    nodal_coefficients(p->nodes, right, a);
-    relaxation_particular(1.0 / inverse, a, a, LOBATTO_MAX);
-    nodal_values_of(p->nodes, a, rate);
+    nodal_coefficients(right, a);
+    oscillator_particular(&(struct oscillator){1.0 / inverse, 1.0}, 0.0, a, a, LOBATTO_MAX);
+    nodal_values_of(a, rate);
     p->result.y_rate = p->half * p->from.radial - rate[0];
     p->result.y = -p->result.y_rate * inverse;
     follow_rate(p, rate, slope);
-    nodal_coefficients(p->nodes, p->result.x, p->result.slow);
+    nodal_coefficients(p->result.x, p->result.slow);
 }
 
 /* Returns a rough bound of |x| in the step [m]. */
@@ -225,7 +232,7 @@ static double respond(struct collocation *p, double *load, double softening)
     if (is_hertz && p->kind == COLLOCATION_AVERAGED) {
         linearize(p, load);
     }
-    nodal_coefficients(p->nodes, load, p->result.load);
+    nodal_coefficients(load, p->result.load);
     if (p->kind == COLLOCATION_AVERAGED) {
         oscillator_response(p, softening);
     } else if (is_hertz) {
@@ -246,8 +253,6 @@ CONTACT_FLATTEN static double sweep(struct collocation *p)
 {
     struct collocation_result *made = &p->result;
     const double half2 = p->half * p->half;
-    const double distance = p->from.rim.distance;
-    const double scale = p->from.rim.rho / distance;
     nodal_values load = {0.0};
     nodal_values per_rho_squared;
     nodal_values per_d_squared;
@@ -256,10 +261,10 @@ CONTACT_FLATTEN static double sweep(struct collocation *p)
         const struct rim_state at = rim_state_at_node(p, i);
         const struct rim_slopes slopes = rim_slopes_at(&at, p->acceleration_at[i]);
         const double spin = slopes.azimuth * at.by.cosine;
-        const double weight = 0.5 * p->nodes->integral[i * LOBATTO_MAX + LOBATTO_MAX - 1];
+        const double weight = 0.5 * nodal_weight(i);
         load[i] = half2 * slopes.load;
         softening += weight * 3.0 * half2 * (spin * spin + slopes.tilt * slopes.tilt);
-        made->rate[2][i] = p->half * slopes.azimuth_momentum / scale;
+        made->rate[2][i] = p->half * slopes.azimuth_momentum;
         made->rate[3][i] = p->half * slopes.tilt_momentum;
         per_rho_squared[i] = 1.0 / (at.rho * at.rho);
         per_d_squared[i] = 1.0 / (at.d * at.d);
@@ -269,17 +274,17 @@ CONTACT_FLATTEN static double sweep(struct collocation *p)
         /* under the linear law one sweep is exact, unless x is overdamped and found by iteration */
         return p->kind != COLLOCATION_OVERDAMPED && p->from.hertz == 0.0 ? 0.0 : by_load;
     }
-    const double none[COLLOCATION_CHANGES] = {0.0};
-    const struct rim_state start = rim_state_by(p, none, p->from.deviation);
-    put_correction(p, &start, p->from.acceleration[0], made->y, made->y_rate, made->correction);
-    const double by_momentum = 2.0 * p->half / distance * integrate_two(p, COLLOCATION_ANGLES);
+    memset(made->correction, 0, sizeof made->correction);
+    const struct rim_state start = rim_state_by(p, made->correction, p->from.deviation);
+    add_correction(p, &start, p->from.acceleration[0], made->y, made->y_rate, made->correction);
+    const double by_momentum = larger(integrate_change(p, 2), integrate_change(p, 3));
     for (int i = 0; i < LOBATTO_MAX; ++i) {
-        const double spun = scale * (made->change[2][i] - made->correction[2]);
+        const double spun = made->change[2][i] - made->correction[2];
         const double tilting = made->change[3][i] - made->correction[3];
-        made->rate[0][i] = p->half * scale * (p->from.rim.azimuth_momentum + spun) * per_rho_squared[i];
+        made->rate[0][i] = p->half * (p->from.rim.azimuth_momentum + spun) * per_rho_squared[i];
         made->rate[1][i] = p->half * (p->from.rim.tilt_momentum + tilting) * per_d_squared[i];
     }
-    const double by_normal = distance * integrate_two(p, 0);
+    const double by_normal = larger(integrate_change(p, 0), integrate_change(p, 1));
     note_angles(p);
     return larger(by_load, larger(by_momentum, by_normal));
 }
@@ -302,10 +307,8 @@ static double tail_of_all(struct collocation *p)
         return by_deviation;
     }
     double by_changes = 0.0;
-    for (int j = 0; j < COLLOCATION_CHANGES; ++j) {
-        const double length =
-            j < COLLOCATION_ANGLES ? p->from.rim.distance : 2.0 * p->half / p->from.rim.distance;
-        by_changes = larger(length * nodal_tail(p->nodes, p->result.rate[j]), by_changes);
+    for (int k = 0; k < COLLOCATION_CHANGES; ++k) {
+        by_changes = larger(length_of(p, k) * nodal_tail(p->result.rate[k]), by_changes);
     }
     return larger(by_deviation, by_changes / LOBATTO_MAX);
 }
@@ -313,8 +316,8 @@ static double tail_of_all(struct collocation *p)
 /* Returns whether all values are finite and d > 0, because local coordinates are singular at the centre. */
 static bool finish(struct collocation *p)
 {
-    if (CONTACT_ANY_CIRCLE && p->from.at_rim) {
-        nodal_coefficients(p->nodes, p->result.rate[1], p->result.tilt_rate);
+    if (CONTACT_ANY_CIRCLE && p->from.rim.radius > 0.0) {
+        nodal_coefficients(p->result.rate[1], p->result.tilt_rate);
     }
     for (int i = 0; i < LOBATTO_MAX; ++i) {
         double sum = 0.0;
@@ -349,32 +352,15 @@ static bool iterate(struct collocation *p, double tolerance)
     return false;
 }
 
-/* Sets x without y, y itself, and their first three derivatives with respect to s. */
-static void deviation_parts(const struct collocation *p, double s, double slow[4], double y[4])
+void collocation_deviation(const struct collocation *p, double s, double averaged[4], double y[4])
 {
     const struct oscillator *o = &p->result.oscillator;
     const struct oscillator_basis by = oscillator_basis_at(o, s);
-    collocation_averaged_deviation(p, s, slow);
+    nodal_derivatives(p->result.slow, s, averaged);
     y[0] = p->result.y * by.y_of_y + p->result.y_rate * by.y_of_rate;
     y[1] = p->result.y * by.rate_of_y + p->result.y_rate * by.rate_of_rate;
     y[2] = -o->damping_rate * y[1] - o->omega2 * y[0];
     y[3] = -o->damping_rate * y[2] - o->omega2 * y[1];
-}
-
-/* Sets the changes of n and H at s, where x and y are those of deviation_parts. */
-static void changes_then(const struct collocation *p, double s, double x, const double y[4],
-                         double change[COLLOCATION_CHANGES])
-{
-    double correction[COLLOCATION_CHANGES];
-    for (int k = 0; k < COLLOCATION_CHANGES; ++k) {
-        change[k] =
-            nodal_integral_to(p->nodes, p->result.change[k], p->result.rate[k], s) - p->result.correction[k];
-    }
-    const struct rim_state then = rim_state_by(p, change, x);
-    put_correction(p, &then, acceleration_then(p, s), y[0], y[1], correction);
-    for (int k = 0; k < COLLOCATION_CHANGES; ++k) {
-        change[k] += correction[k];
-    }
 }
 
 struct collocation_change collocation_change_at(const struct collocation *p, double s)
@@ -382,52 +368,38 @@ struct collocation_change collocation_change_at(const struct collocation *p, dou
     double change[COLLOCATION_CHANGES] = {0.0};
     double slow[4];
     double y[4];
-    deviation_parts(p, s, slow, y);
+    collocation_deviation(p, s, slow, y);
     const double x = slow[0] + y[0];
+    const double rate = slow[1] + y[1];
+    for (int k = 0; k < COLLOCATION_CHANGES && !p->from.head_on; ++k) {
+        change[k] = nodal_integral_to(p->result.change[k], p->result.rate[k], s) - p->result.correction[k];
+    }
     if (!p->from.head_on) {
-        changes_then(p, s, x, y, change);
+        const struct rim_state without_y = rim_state_by(p, change, x);
+        add_correction(p, &without_y, acceleration_then(p, s), y[0], y[1], change);
     }
     const struct rim_state then = rim_state_by(p, change, x);
-    return (struct collocation_change){
-        rim_moved(&p->from.rim, &then),
-        rim_gained(&p->from.rim, &then, p->from.radial, (slow[1] + y[1]) / p->half), x};
+    return (struct collocation_change){rim_moved(&p->from.rim, &then),
+                                       rim_gained(&p->from.rim, &then, p->from.radial, rate / p->half), x,
+                                       rate};
 }
 
-void collocation_edges(const struct collocation *p, double s, const double x[4], double radial[3],
-                       double axial[3])
+void collocation_edges(const struct collocation *p, double s, const double averaged[4], const double y[4],
+                       double radial[3], double axial[3])
 {
-    double tilt[3] = {p->from.rim.tilt, 0.0, 0.0};
-    if (!p->from.head_on) {
-        tilt[0] += nodal_integral(p->result.tilt_rate, LOBATTO_MAX, s) - p->result.correction[1];
-        tilt[1] = taylor_at(p->result.tilt_rate, LOBATTO_MAX, s - 1.0);
-        tilt[2] = nodal_slope(p->result.tilt_rate, LOBATTO_MAX, s);
-        /* the oscillation y changes the tilt, too: see put_correction */
-        double slow[4];
-        collocation_averaged_deviation(p, s, slow);
-        const double by = -2.0 * tilt[1] / (p->from.reach + x[0]);
-        const double y = x[0] - slow[0];
-        const double y_rate = x[1] - slow[1];
-        tilt[0] += by * collocation_oscillation_integral(p, y, y_rate) / p->half;
-        tilt[1] += by * y;
-        tilt[2] += by * y_rate;
-    }
-    rim_edges(tilt, p->from.reach, radial, axial);
-}
-
-/* Dense output of a collocated step. */
-
-void collocation_averaged_deviation(const struct collocation *p, double s, double x[4])
-{
-    nodal_derivatives(p->result.slow, LOBATTO_MAX, s, x);
-}
-
-void collocation_deviation(const struct collocation *p, double s, double x[4])
-{
-    double y[4];
-    deviation_parts(p, s, x, y);
-    for (int i = 0; i < 4; ++i) {
-        x[i] += y[i];
-    }
+    const double slow = taylor_at(p->result.tilt_rate, LOBATTO_MAX, s - 1.0);
+    /* the oscillation y changes the tilt, too: see add_correction */
+    const double by = -2.0 * slow / (p->from.reach + averaged[0] + y[0]);
+    const double tilt = p->from.rim.tilt + nodal_integral(p->result.tilt_rate, s) - p->result.correction[1] +
+                        by * collocation_oscillation_integral(p, y[0], y[1]) / p->half;
+    const double rate = slow + by * y[0];
+    const double bend = nodal_slope(p->result.tilt_rate, s) + by * y[1];
+    radial[0] = p->from.reach * cos(tilt);
+    axial[0] = p->from.reach * sin(tilt);
+    radial[1] = -axial[0] * rate;
+    axial[1] = radial[0] * rate;
+    radial[2] = -radial[0] * rate * rate - axial[0] * bend;
+    axial[2] = radial[0] * bend - axial[0] * rate * rate;
 }
 
 void collocation_overdamped_push(const struct collocation *p, double s, double push[3])
@@ -438,7 +410,7 @@ void collocation_overdamped_push(const struct collocation *p, double s, double p
         const double bend = k + 2 < LOBATTO_MAX ? (k + 1) * (k + 2) * p->result.slow[k + 2] : 0.0;
         slow_push[k] = bend - p->result.load[k];
     }
-    nodal_derivatives(slow_push, LOBATTO_MAX, s, of);
+    nodal_derivatives(slow_push, s, of);
     const double faster = oscillator_rates_of(&p->result.oscillator).faster;
     double fast = p->result.y * exp(-faster * s) * faster * faster;
     for (int i = 0; i < 3; ++i) {
@@ -453,10 +425,9 @@ static double along_slow(const struct collocation *p, const double *a, double s)
 {
     double sum = 0.0;
     for (int i = 0; i < LOBATTO_MAX; ++i) {
-        const double at = 0.5 * s * (1.0 + p->nodes->node[i]);
-        const double part =
-            taylor_at(a, LOBATTO_MAX, at - 1.0) * nodal_slope(p->result.slow, LOBATTO_MAX, at);
-        sum += 0.5 * s * p->nodes->integral[i * LOBATTO_MAX + LOBATTO_MAX - 1] * part;
+        const double at = 0.5 * s * nodal_place(i);
+        const double part = taylor_at(a, LOBATTO_MAX, at - 1.0) * nodal_slope(p->result.slow, at);
+        sum += 0.5 * s * nodal_weight(i) * part;
     }
     return sum;
 }
@@ -466,23 +437,19 @@ static double along_slow(const struct collocation *p, const double *a, double s)
  * where Q - Q' / faster = a. */
 static double along_oscillation(const struct collocation *p, const double *a, double s, const double y[4])
 {
-    const struct oscillator mirrored = {p->result.oscillator.omega2, -p->result.oscillator.damping_rate};
+    const struct oscillator *o = &p->result.oscillator;
     const bool decays = p->kind == COLLOCATION_OVERDAMPED;
-    const double factor = decays ? -oscillator_rates_of(&p->result.oscillator).faster : mirrored.omega2;
+    const struct oscillator mirrored = {decays ? -oscillator_rates_of(o).faster : o->omega2,
+                                        decays ? 1.0 : -o->damping_rate};
     const double by_rate = decays ? 0.0 : 1.0 / mirrored.omega2;
     nodal_values scaled = {0.0};
     nodal_values q = {0.0};
     for (int k = 0; k < LOBATTO_MAX; ++k) {
-        scaled[k] = factor * a[k];
+        scaled[k] = mirrored.omega2 * a[k];
     }
-    if (decays) {
-        relaxation_particular(factor, scaled, q, LOBATTO_MAX);
-    } else {
-        oscillator_particular(&mirrored, scaled, q, LOBATTO_MAX);
-    }
+    oscillator_particular(&mirrored, decays ? 0.0 : 1.0, scaled, q, LOBATTO_MAX);
     return taylor_at(q, LOBATTO_MAX, s - 1.0) * y[0] - taylor_at(q, LOBATTO_MAX, -1.0) * p->result.y +
-           by_rate *
-               (nodal_slope(q, LOBATTO_MAX, s) * y[1] - nodal_slope(q, LOBATTO_MAX, 0.0) * p->result.y_rate);
+           by_rate * (nodal_slope(q, s) * y[1] - nodal_slope(q, 0.0) * p->result.y_rate);
 }
 
 /* The dissipated energy follows from the oscillator's balance of energy, which is exact at any frequency:
@@ -493,7 +460,7 @@ double collocation_dissipated(const struct collocation *p, double s)
     const double softening = p->result.oscillator.omega2 - omega2;
     double slow[4];
     double y[4];
-    deviation_parts(p, s, slow, y);
+    collocation_deviation(p, s, slow, y);
     const double start_rate = p->half * p->from.radial;
     const double x0 = p->from.deviation;
     const double x = slow[0] + y[0];
@@ -511,9 +478,9 @@ struct vec3 collocation_moment(const struct collocation *p, int power, double s)
     double slow[4];
     double y[4];
     double sum[3];
-    deviation_parts(p, s, slow, y);
+    collocation_deviation(p, s, slow, y);
     for (int i = 0; i < LOBATTO_MAX; ++i) {
-        const double t = p->half * (1.0 + p->nodes->node[i]);
+        const double t = p->half * nodal_place(i);
         const double weight = p->half * (power == 0 ? 1.0 : power == 1 ? t : t * t);
         const struct rim_state at = rim_state_at_node(p, i); /* without the oscillation */
         const struct vec3 way = vec3_scale(weight, rim_moved(&p->from.rim, &at));
@@ -527,36 +494,28 @@ struct vec3 collocation_moment(const struct collocation *p, int power, double s)
         nodal_values grown = {0.0};
         nodal_values a;
         nodal_values b;
-        nodal_coefficients(p->nodes, moved[k], a);
-        (void)nodal_integrate(p->nodes, along[k], grown);
-        nodal_coefficients(p->nodes, grown, b);
+        nodal_coefficients(moved[k], a);
+        (void)nodal_integrate(along[k], grown);
+        nodal_coefficients(grown, b);
         /* by parts: with B' = b, the integral of b y is B y less that of B y' */
-        sum[k] = nodal_integral(a, LOBATTO_MAX, s) + taylor_at(b, LOBATTO_MAX, s - 1.0) * y[0] -
-                 along_oscillation(p, b, s, y);
+        sum[k] =
+            nodal_integral(a, s) + taylor_at(b, LOBATTO_MAX, s - 1.0) * y[0] - along_oscillation(p, b, s, y);
     }
     return vec3_from(sum);
-}
-
-/* Makes first guesses: n, H and x as at the start. */
-static void begin(struct collocation *p, const struct collocation_problem *from, double step,
-                  enum collocation_kind kind)
-{
-    p->from = *from;
-    p->nodes = &lobatto[LOBATTO_TWELVE];
-    p->kind = kind;
-    p->half = 0.5 * step;
-    memset(&p->result, 0, sizeof p->result);
-    p->result.slow[0] = from->deviation;
-    note_angles(p);
-    for (int i = 0; i < LOBATTO_MAX; ++i) {
-        p->result.x[i] = p->result.slow[0];
-        p->acceleration_at[i] = acceleration_then(p, 1.0 + p->nodes->node[i]);
-    }
 }
 
 bool collocation_make(struct collocation *p, const struct collocation_problem *from, double step,
                       enum collocation_kind kind, double tolerance)
 {
-    begin(p, from, step, kind);
+    p->from = *from;
+    p->kind = kind;
+    p->half = 0.5 * step;
+    memset(&p->result, 0, sizeof p->result); /* the first guess: n, H and x as at the start */
+    p->result.slow[0] = from->deviation;
+    note_angles(p);
+    for (int i = 0; i < LOBATTO_MAX; ++i) {
+        p->result.x[i] = p->result.slow[0];
+        p->acceleration_at[i] = acceleration_then(p, nodal_place(i));
+    }
     return iterate(p, tolerance);
 }

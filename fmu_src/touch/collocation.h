@@ -44,7 +44,6 @@ enum { COLLOCATION_ACCELERATION_TERMS = 3 };
  * About a centre the frame is n, across both, and the direction in which n begins to turn. */
 struct collocation_problem {
     struct rim_start rim;
-    bool at_rim;         /* contact at a rim or a torus */
     bool head_on;        /* c' and A are along n, which is constant */
     double radial;       /* x' = n.c' [m/s] */
     double reach;        /* [m] */
@@ -80,7 +79,6 @@ struct collocation_result {
 
 struct collocation {
     struct collocation_problem from;
-    const struct lobatto *nodes;
     enum collocation_kind kind;
     double half;                              /* half the step [s] */
     struct vec3 acceleration_at[LOBATTO_MAX]; /* A at the nodes */
@@ -95,21 +93,20 @@ struct collocation {
 bool collocation_make(struct collocation *p, const struct collocation_problem *from, double step,
                       enum collocation_kind kind, double tolerance);
 
-/* Gives x [m] with its first three derivatives with respect to s. */
-void collocation_deviation(const struct collocation *p, double s, double x[4]);
+/* Sets the two parts of x [m] with their first three derivatives with respect to s: the averaged deviation,
+ * which is x without y, and y. */
+void collocation_deviation(const struct collocation *p, double s, double averaged[4], double y[4]);
 
 /* Gives the contact force of an overdamped step, divided by m_red and times half^2 [m], and its first two
  * derivatives. It is x'' - half^2 f = -half^2 omega2 x - half damping_rate x'. It is computed
  * from x'' and f, because the spring force and the dashpot force nearly cancel. */
 void collocation_overdamped_push(const struct collocation *p, double s, double push[3]);
 
-/* Gives x without y, the averaged deviation [m], and its first three derivatives with respect to s. */
-void collocation_averaged_deviation(const struct collocation *p, double s, double x[4]);
-
 struct collocation_change {
     struct vec3 moved;  /* c(s) - c(0) [m] */
     struct vec3 gained; /* c'(s) - c'(0) [m/s] */
     double deviation;   /* x(s) [m] */
+    double rate;        /* dx/ds [m] */
 };
 
 /* Returns the change from the start to s, in rim.frame. Its error at s = 2 is of the order that the
@@ -120,9 +117,11 @@ struct collocation_change collocation_change_at(const struct collocation *p, dou
  * x'^2 dt [m^2/s^2]. */
 double collocation_dissipated(const struct collocation *p, double s);
 
-/* Evaluates rim_edges at s in a step at a rim. The caller passes x with or without y. */
-void collocation_edges(const struct collocation *p, double s, const double x[4], double radial[3],
-                       double axial[3]);
+/* Sets reach cos(tilt) and reach sin(tilt) [m] at s in a step at a rim, event functions that are zero where
+ * the zone of the rim ends, and their first two derivatives. The caller passes the parts of x; y may be
+ * zero. */
+void collocation_edges(const struct collocation *p, double s, const double averaged[4], const double y[4],
+                       double radial[3], double axial[3]);
 
 /* Returns the moment of c - c(0): the integral of t^power (c - c(0)) dt from 0 to s [m s^(power+1)], in
  * rim.frame. */

@@ -89,7 +89,9 @@ static void put_nearest(struct expansion_rim *rim, int axes, int i, double f[EXP
     rim->across[1][i] = f[2];
     rim->rho_squared[i] = taylor_multiply(rim->across[0], rim->across[0], i) +
                           taylor_multiply(rim->across[1], rim->across[1], i);
-    rim->rho[i] = taylor_root(rim->rho_squared, rim->rho, i);
+    rim->rho[i] = 0.0;
+    rim->rho[i] =
+        i == 0 ? sqrt(rim->rho_squared[0]) : 0.5 * taylor_divide(rim->rho_squared, rim->rho, rim->rho, i);
     for (int j = 0; j < 2; ++j) {
         rim->a[j][i] = taylor_divide(rim->across[j], rim->rho, rim->a[j], i);
         f[2 * j] -= rim->radius * rim->a[j][i];
@@ -334,12 +336,11 @@ CONTACT_FLATTEN void expansion_make(struct expansion *s, int begin, int end)
 
 void expansion_add_powers(struct expansion *s, int degree)
 {
-    for (int p = s->degree + 1; p <= degree; ++p) {
+    if (degree > s->degree) {
+        s->degree = degree;
         for (int i = 0; i < TAYLOR_TERMS; ++i) {
-            taylor_put(&s->power_of_time[p], i,
-                       taylor_product(s->power_of_time[1].row, &s->power_of_time[p - 1], i));
+            put_time((struct expansion_kind){.is_paced = true}, s, i);
         }
-        s->degree = p;
     }
 }
 
@@ -399,9 +400,8 @@ void expansion_time(const void *expansion, double place, double time[3])
 
 double expansion_node(int i, double place, double *weight)
 {
-    const struct lobatto *nodes = &lobatto[LOBATTO_TWELVE];
-    *weight = 0.5 * place * nodes->integral[i * LOBATTO_MAX + LOBATTO_MAX - 1];
-    return 0.5 * place * (1.0 + nodes->node[i]);
+    *weight = 0.5 * place * NODAL_RULE->integral[i * LOBATTO_MAX + LOBATTO_MAX - 1];
+    return 0.5 * place * (1.0 + NODAL_RULE->node[i]);
 }
 
 double expansion_dissipated(const struct expansion *s, double place)

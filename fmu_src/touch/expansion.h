@@ -80,7 +80,9 @@ struct expansion {
     int rows, bodies; /* body 0 stands for all on which no contact acts */
     struct expansion_row *row;
     struct expansion_body *body;
-    bool is_framed;                  /* body 1 is the reduced mass of one contact in the frame of a pair */
+    /* body 1 is the reduced mass of one contact in the frame of a pair; number and ends of bodies, the axes
+     * below and whether the row is straight are then not read */
+    bool is_framed;
     int axes, along[EXPANSION_AXES]; /* the axes along which contact forces act */
     int degree;                      /* of the flights in time */
     int paced_by;                    /* the row whose u is the pace; -1: the pace is one */

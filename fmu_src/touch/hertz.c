@@ -72,14 +72,6 @@ static inline double elastic_polynomial(const struct hertz_elastic *p, double u)
     return p->touch + u * (p->touch + u * high * (1.0 + u * (1.0 + u)));
 }
 
-/* Sets out[0] to dP/du and out[1] to its derivative. */
-static void elastic_polynomial_slopes(const struct hertz_elastic *p, double u, double out[2])
-{
-    const double high = p->touch + p->pressed;
-    out[0] = p->touch + u * high * (2.0 + u * (3.0 + u * 4.0));
-    out[1] = high * (2.0 + u * (6.0 + u * 12.0));
-}
-
 /* u = 1 - w^2. */
 static inline double elastic_root(double w)
 {
@@ -139,6 +131,7 @@ static bool elastic_solve(struct hertz_elastic *p, const struct contact_pair *fr
         return false;
     }
     const double rate = pair_gap_derivative(from);
+    p->from = from;
     p->load =
         -2.0 * from->shape.side * vec3_dot(from->normal, contact_across(&from->shape, from->flight.c[2]));
     p->touch = rate * rate + elastic_stored(k, depth) - 2.0 * p->load * depth;
@@ -173,11 +166,12 @@ void hertz_elastic_sample(const void *hertz_elastic, double s, struct pair_sampl
     const struct hertz_elastic *p = hertz_elastic;
     const double w = s == p->end ? 1.0 : p->start + s;
     const double u = elastic_root(w);
-    double slopes[2];
-    elastic_polynomial_slopes(p, u, slopes);
+    const double high = p->touch + p->pressed;
+    const double slope = p->touch + u * high * (2.0 + u * (3.0 + u * 4.0)); /* dP/du */
+    const double bend = high * (2.0 + u * (6.0 + u * 12.0));                /* d2P/du2 */
     const double q = sqrt(elastic_polynomial(p, u));
-    const double turn = -slopes[0] / q; /* dq/dw = w turn */
-    const double q_bend = turn + w * w * (2.0 * slopes[1] - turn * turn) / q;
+    const double turn = -slope / q; /* dq/dw = w turn */
+    const double q_bend = turn + w * w * (2.0 * bend - turn * turn) / q;
     const double by_root = p->from->hertz_stiffness * p->deepest * sqrt(p->deepest);
     sample->of[PAIR_GAP][0] = -p->deepest * u * u;
     sample->of[PAIR_GAP][1] = 4.0 * p->deepest * u * w;
@@ -233,10 +227,9 @@ void hertz_elastic_moments(const void *hertz_elastic, double s, const struct pai
 /* A contact force is negligible if it is less than NO_FORCE times the load. */
 static const double NO_FORCE = 0.5 * DBL_EPSILON;
 
-bool hertz_hardly_parts(const struct contact_pair *from, double speed)
+double hertz_idle_depth(const struct contact_pair *from)
 {
-    const double load = pair_pressing_load(from);
-    return load > 0.0 && speed * speed <= 2.0 * load * hertz_depth_under(from, NO_FORCE * load);
+    return hertz_depth_under(from, NO_FORCE * pair_pressing_load(from));
 }
 
 /* A series by u = sqrt(delta) cannot begin at rest at the touch, or nearly so: the bodies then coast until
@@ -246,7 +239,7 @@ double hertz_coasting_time(const struct segment *p)
 {
     const struct contact_pair *from = &p->pair;
     const double load = pair_load(from) / from->reduced_mass;
-    const double depth = hertz_depth_under(from, NO_FORCE * load);
+    const double depth = hertz_idle_depth(from);
     const double speed = fabs(pair_gap_derivative(from));
     if (!(-from->gap <= depth && speed * speed <= 2.0 * load * depth)) {
         return 0.0;
@@ -270,7 +263,6 @@ bool hertz_elastic_make(struct segment *p)
     const bool parts = made->end_time <= p->longest;
     p->clear_of_centre = true;
     p->end = parts ? made->end : pair_place_by(hertz_elastic_time, made, p->longest, made->end);
-    p->unit = elastic_time(made, p->end) / p->end;
     dense_output_add(&p->output, 0.0);
     if (made->start < 0.0 &&
         -made->start < p->end) { /* every quantity has its extremum at the largest penetration */
@@ -287,9 +279,8 @@ bool hertz_elastic_make(struct segment *p)
  * the free oscillation y from its start, so the step is only taken where y is within tolerance.
  */
 
-/* Load and rates of a lasting contact. */
+/* Rates of a lasting contact. */
 struct slow_scales {
-    double load;  /* L: the acceleration that presses [m/s^2] */
     double fast;  /* rate of the contact's oscillation or of its damping, the faster one [1/s] */
     double creep; /* rate at which an overdamped contact settles [1/s]; 0 if the contact oscillates */
 };
@@ -300,8 +291,7 @@ static struct slow_scales slow_scales_of(const struct contact_pair *from)
     const double k = from->hertz_stiffness / from->reduced_mass;
     const double spring = sqrt(1.5 * k * sqrt(depth));
     const double dashpot = k * from->chi * depth * sqrt(depth);
-    return (struct slow_scales){.load = pair_pressing_load(from),
-                                .fast = fmax(spring, dashpot),
+    return (struct slow_scales){.fast = fmax(spring, dashpot),
                                 .creep = dashpot > 2.0 * spring ? spring * spring / dashpot : 0.0};
 }
 
@@ -352,20 +342,6 @@ static const double CREEP_STEP = 2.0;
  * limit holds for bodies that leave, and from the third trial on also for bodies that sink. */
 static const double PART_OF_DEPTH = 0.5;
 
-/* Returns the fast part of the penetration relative to the penetration, from the coefficients of u =
- * sqrt(delta). */
-static double fast_part_of(const double *root, double unit, double fast)
-{
-    const double radians = fast * unit * root[0]; /* radians of the fast motion per unit of s */
-    double power = 1.0;
-    double part = 0.0;
-    for (int i = 1; i <= FAST_ORDER + 1; ++i) {
-        power *= radians / i;
-        part = i >= FAST_ORDER ? fmax(part, fabs(root[i]) / power) : 0.0;
-    }
-    return 2.0 * part / root[0];
-}
-
 bool quasi_static_applies(const struct segment *p)
 {
     const struct contact_pair *from = &p->pair;
@@ -376,7 +352,7 @@ bool quasi_static_applies(const struct segment *p)
     /* Without a load that presses, bodies leave a deep overlap at the speed 1/chi. At that speed the force is
      * zero to rounding, where a law with events ends its regime. */
     const bool leaves = scales.creep > 0.0 && !contact_has_events(&from->law);
-    return (scales.load > 0.0 || leaves) && scales.fast * p->longest >= SLOW_SHORTEST;
+    return scales.fast * p->longest >= SLOW_SHORTEST && (leaves || pair_pressing_load(from) > 0.0);
 }
 
 bool quasi_static_is_shown(const struct segment *p, const double *root, double unit)
@@ -385,7 +361,14 @@ bool quasi_static_is_shown(const struct segment *p, const double *root, double u
     /* the force of an overdamped contact depends on the rate, so a decay counts more by the factor fast
      * divided by creep */
     const double clearly = scales.creep > 0.0 ? DECAY_CLEARLY * scales.creep / scales.fast : FAST_CLEARLY;
-    return fast_part_of(root, unit, scales.fast) <= clearly * slow_accuracy(p);
+    const double radians = scales.fast * unit * root[0]; /* radians of the fast motion per unit of s */
+    double power = 1.0;
+    double part = 0.0; /* half of the fast part of the penetration */
+    for (int i = 1; i <= FAST_ORDER + 1; ++i) {
+        power *= radians / i;
+        part = i >= FAST_ORDER ? fmax(part, fabs(root[i]) / power) : 0.0;
+    }
+    return 2.0 * part / root[0] <= clearly * slow_accuracy(p);
 }
 
 /* Makes a step [s]. Returns false where the step is not accurate. delta and the free oscillation that it
@@ -426,11 +409,6 @@ bool quasi_static_make(struct segment *p)
     const int attempts = scales.creep > 0.0 ? SLOW_ATTEMPTS : FOLLOWING;
     for (int i = 0; i < attempts && step * scales.fast >= SLOW_SHORTEST; ++i) {
         if (quasi_static_solve(p, &scales, step, -p->pair.gap * accuracy)) {
-            p->unit = 0.5 * step;
-            p->end = 2.0;
-            for (int k = 0; k < LOBATTO_MAX; ++k) {
-                dense_output_add(&p->output, 1.0 + lobatto[LOBATTO_TWELVE].node[k]);
-            }
             p->parting = (double)INFINITY;
             return true;
         }

@@ -62,7 +62,7 @@ static void put_law(struct expansion_row *r, const struct scene_instant *at, dou
     r->c = of.c;
     r->by_gap = r->by_rate = r->margin = 0.0;
     if (contact_has_events(&law)) {
-        const struct contact_slopes slopes = contact_event_slopes(&law, regime, g->gap, g->gap_rate);
+        const struct contact_slopes slopes = contact_event_slopes(&law, regime);
         r->by_gap = slopes.by_gap;
         r->by_rate = slopes.by_rate;
         r->margin = contact_event(&law, regime, g->gap, g->gap_rate) +
@@ -98,6 +98,10 @@ static bool add_touching(struct island *s, const struct scene_instant *at, int c
     put_timescales(r, scene_inverse_mass(at->v, contact));
     for (int k = 0; k < EXPANSION_AXES; ++k) {
         taylor_put(&r->n[k], 0, vec3_get(g->normal, k));
+        s->lives[k] = s->lives[k] || vec3_get(g->normal, k) != 0.0;
+        for (int p = 1; p <= degree && !r->is_straight; ++p) {
+            s->lives[k] = s->lives[k] || vec3_get(contact_across(&shape, flight.c[p]), k) != 0.0;
+        }
     }
     r->offset = fmax(g->gap, 0.0) + rounding_of_gap(at, contact);
     for (int end = 0; end < 2; ++end) {
@@ -107,33 +111,11 @@ static bool add_touching(struct island *s, const struct scene_instant *at, int c
     return true;
 }
 
-/* Returns the part of a vector across the axis of a cylinder; the vector itself for other shapes. */
-static struct vec3 part_across(const struct expansion_row *r, struct vec3 a)
-{
-    return vec3_axpy(a, -vec3_dot(a, vec3_from(r->axis)), vec3_from(r->axis));
-}
-
-/* Whether a contact may exert a torque about its destination's centre. */
-static bool has_lever(const struct expansion_row *r)
-{
-    return SCENE_HAS_TORQUES && body_has_axis(contact_destination(r->contact));
-}
-
-/* Finds the axes of the world along which contact forces act. Where there is one axis, no normal turns. */
+/* Collects the axes along which contact forces act. Where there is one axis, no normal turns. */
 static void find_axes(struct island *s)
 {
-    s->terms.axes = 0;
     for (int k = 0; k < EXPANSION_AXES; ++k) {
-        bool lives = false;
-        for (int i = 0; i < s->terms.rows; ++i) {
-            const struct expansion_row *r = &s->terms.row[i];
-            lives = lives || r->n[k].row[0] != 0.0;
-            for (int p = 1; p <= SEPARATION_DEGREE; ++p) {
-                const double flown = vec3_get(part_across(r, vec3_from(r->flown + EXPANSION_AXES * p)), k);
-                lives = lives || (!r->is_straight && flown != 0.0);
-            }
-        }
-        if (lives) {
+        if (s->lives[k]) {
             s->terms.along[s->terms.axes++] = k;
         }
     }
@@ -395,6 +377,7 @@ bool island_make(struct island *s, const struct scene_instant *at, double longes
     s->terms = (struct expansion){.row = s->row, .body = s->body, .bodies = 1, .degree = 1};
     s->body[0] = (struct expansion_body){.by_mass = 0.0};
     memset(s->index, 0, sizeof s->index);
+    memset(s->lives, 0, sizeof s->lives);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (contact_pushes(at->q, j) && !add_touching(s, at, j)) {
             return false;
@@ -527,7 +510,7 @@ static void add_island_torque(const struct island *s, const struct expansion_row
 
 void island_advance(const struct island *s, double from, double time, struct scene_state *q)
 {
-    const double place = time < s->time ? place_of(s, time) : s->end;
+    const double place = place_of(s, time);
     if (from < time) {
         note_peaks_of_island(s, from > 0.0 ? place_of(s, from) : 0.0, place, q);
     }
@@ -537,7 +520,7 @@ void island_advance(const struct island *s, double from, double time, struct sce
         state->physics.impulse.force = vec3_sub(state->physics.impulse.force, three_at(s, r->pushed, place));
         state->physics.accumulated_gap = taylor_at(r->gap, TAYLOR_TERMS, place);
         state->physics.rate_rounding = 0.0;
-        if (has_lever(r)) {
+        if (SCENE_HAS_TORQUES && body_has_axis(contact_destination(r->contact))) {
             add_island_torque(s, r, place, q);
         }
     }

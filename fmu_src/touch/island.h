@@ -13,10 +13,11 @@ enum { ISLAND_MOST = SCENE_CONTACTS < 48 ? SCENE_CONTACTS : 48 };
 
 struct island {
     struct expansion terms;
-    int index[SCENE_BODIES]; /* of a body of the scene among these bodies */
-    double end;              /* the s at the end */
-    double time;             /* the time from the start to the end [s] */
-    int terminal;            /* the contact that changes at the end; -1: none */
+    int index[SCENE_BODIES];    /* of a body of the scene among these bodies */
+    bool lives[EXPANSION_AXES]; /* whether contact forces act along an axis of the world */
+    double end;                 /* the s at the end */
+    double time;                /* the time from the start to the end [s] */
+    int terminal;               /* the contact that changes at the end; -1: none */
     enum contact_regime next;
     struct expansion_row row[ISLAND_MOST];
     struct expansion_body body[1 + 2 * ISLAND_MOST];

@@ -27,11 +27,8 @@ static bool add_work(struct contact_pair *p, const struct scene_state *q, int bo
             p->force[i - 1] = vec3_axpy(p->force[i - 1], -i * factor, path[i]);
         }
     }
-    if (contact_is_plane(&p->shape)) {
-        return contact_along_plane(p->normal, path[1]) == 0.0 &&
-               contact_along_plane(p->normal, path[2]) == 0.0;
-    }
-    return vec3_is_zero(path[1]) && vec3_is_zero(path[2]);
+    return vec3_is_zero(flight_part_that_counts(&p->shape, p->normal, path[1])) &&
+           vec3_is_zero(flight_part_that_counts(&p->shape, p->normal, path[2]));
 }
 
 /* n is undefined at d = 0 and becomes the direction of motion; c, which is rounding there, is set along n. At
@@ -48,7 +45,7 @@ static void leave_centre(struct contact_pair *p, const struct contact_geometry *
     p->distance = fmax(reach + p->gap, 2.0 * DBL_EPSILON * reach);
     p->gap = p->distance - reach;
     p->rounded = vec3_axpy(vec3_scale(p->distance, p->normal), -1.0, geometry->offset);
-    p->flight.c[0] = vec3_scale(p->distance, p->normal);
+    p->flight.c[0] = vec3_add(p->flight.c[0], p->rounded);
 }
 
 /* Corrects w so that side n.w is g', and all formulas see one rate. */
@@ -82,44 +79,32 @@ static bool path_contradicts(const struct scene_state *q, int body)
     return false;
 }
 
-static void take_law(struct contact_pair *p, const struct contact_law *law, enum contact_regime regime,
-                     const struct contact_geometry *geometry)
-{
-    p->law = *law;
-    const struct contact_coefficients factors = contact_factors_of(law, regime);
-    p->coefficients = factors;
-    p->chi = p->hertz_stiffness = 0.0;
-    if (contact_is_hertz(law)) {
-        const struct contact_slopes slopes =
-            contact_force_slopes(law, regime, geometry->gap, geometry->gap_rate);
-        p->coefficients = (struct contact_coefficients){-slopes.by_gap, -slopes.by_rate};
-        p->hertz_stiffness = factors.k;
-        p->chi = factors.c;
-    }
-}
-
 void pair_make(struct contact_pair *p, const struct scene_instant *at, int contact)
 {
     const struct scene_state *q = at->q;
     const struct contact_geometry *geometry = &at->geometry[contact];
     p->shape = scene_contact_shape(q, contact);
-    const struct contact_law law = scene_contact_law(q, contact);
-    take_law(p, &law, (enum contact_regime)q->contact[contact].regime, geometry);
+    p->law = scene_contact_law(q, contact);
+    const enum contact_regime regime = (enum contact_regime)q->contact[contact].regime;
+    const struct contact_coefficients factors = contact_factors_of(&p->law, regime);
+    const struct contact_slopes slopes =
+        contact_force_slopes(&p->law, regime, geometry->gap, geometry->gap_rate);
+    p->coefficients = (struct contact_coefficients){-slopes.by_gap, -slopes.by_rate};
+    p->hertz_stiffness = contact_is_hertz(&p->law) ? factors.k : 0.0;
+    p->chi = contact_is_hertz(&p->law) ? factors.c : 0.0;
     p->flight = separation_path_of(at, q->clock, contact);
     p->normal = geometry->normal;
-    p->axial = geometry->axial;
     p->distance = geometry->distance;
     p->gap = geometry->gap;
     const double shorter = p->shape.side * p->gap - (geometry->distance - contact_reach(&p->shape));
     p->rounded = vec3_scale(shorter, p->normal);
     p->rate_rounding = rounding_of_rate(at, contact);
     p->reduced_mass = 1.0 / scene_inverse_mass(at->v, contact);
-    p->starts_rounded = false;
-    if (singularity_is_reached(at, contact, &p->shape)) {
-        p->starts_rounded = true;
+    const bool is_at_centre = singularity_is_reached(at, contact, &p->shape);
+    if (is_at_centre) {
         leave_centre(p, geometry);
     }
-    const bool is_carried = !p->starts_rounded && scene_rate_is_known(at, contact);
+    const bool is_carried = !is_at_centre && scene_rate_is_known(at, contact);
     const double rate = is_carried
                             ? geometry->gap_rate
                             : p->shape.side * vec3_dot(p->normal, contact_across(&p->shape, p->flight.w[0]));
@@ -134,7 +119,8 @@ void pair_make(struct contact_pair *p, const struct scene_instant *at, int conta
     p->is_head_on = by_source && by_destination && flight_is_head_on(&p->shape, &p->flight, p->normal);
 }
 
-struct vec3 pair_tangential(const struct contact_pair *p, struct vec3 across)
+/* Returns the part of the vector `across` that is perpendicular to n and turns n; zero at a plane. */
+static struct vec3 pair_tangential(const struct contact_pair *p, struct vec3 across)
 {
     if (contact_is_plane(&p->shape)) {
         return vec3_make(0.0, 0.0, 0.0);
@@ -164,14 +150,6 @@ double pair_pressing_load(const struct contact_pair *p)
     return -p->shape.side * (turning / distance + 2.0 * vec3_dot(p->normal, p->flight.c[2]));
 }
 
-/* Returns the start of the motion in the coordinates of a rim. */
-static struct rim_start pair_rim_start(const struct contact_pair *p)
-{
-    const struct contact_solid *solid = &p->shape.solid;
-    return rim_start_of(p->shape.axis, solid->radius, solid->half_height, p->flight.c[0],
-                        contact_reach(&p->shape) + p->shape.side * p->gap, p->flight.c[1]);
-}
-
 double pair_load(const struct contact_pair *p)
 {
     return p->reduced_mass * fabs(pair_pressing_load(p));
@@ -194,18 +172,7 @@ static double rate_rounding_after(const struct pair_change *change, const struct
             vec3_norm(change->r_rate));
 }
 
-/* Returns the part of a vector that acts on the contact's motion. At a cylinder it is the part across the
- * axis. At a plane it is the part along the normal, so that H = 0 and a polynomial load is followed
- * exactly. */
-static struct vec3 coupled(const struct contact_pair *p, struct vec3 a)
-{
-    return contact_is_plane(&p->shape) ? vec3_scale(vec3_dot(p->normal, a), p->normal)
-                                       : contact_across(&p->shape, a);
-}
-
-/* Returns the part of a vector that does not act on head-on motion: along a plane or a cylinder's axis;
- * zero at a sphere. The rounding of a difference from `coupled` would move bodies that rest for long. */
-static struct vec3 aside(const struct contact_pair *p, struct vec3 a)
+struct vec3 pair_aside(const struct contact_pair *p, struct vec3 a)
 {
     if (contact_is_plane(&p->shape)) {
         return contact_across_plane(p->normal, a);
@@ -214,59 +181,48 @@ static struct vec3 aside(const struct contact_pair *p, struct vec3 a)
                                           : vec3_make(0.0, 0.0, 0.0);
 }
 
-/* The motion that both bodies share, without its part aside: the motion of the body that is not free, or of
- * the centre of mass. velocity[i] is the coefficient of time^i. */
-struct common_motion {
-    struct vec3 velocity[2];
-};
-
-static struct common_motion common_motion_of(const struct contact_pair *p, const struct scene_state *q,
-                                             const int ends[PAIR_BODIES])
+/* Sets the velocity that both bodies share, without its part aside: that of the body that is not free, or of
+ * the centre of mass. common[i] is the coefficient of time^i, and zero at the call. */
+static void put_common_velocity(const struct contact_pair *p, const struct scene_state *q,
+                                const int ends[PAIR_BODIES], struct vec3 common[2])
 {
     const struct scene_values *v = q->v;
-    struct common_motion common = {{{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}}};
-    double inverse_mass = 0.0; /* of both bodies together [1/kg] */
+    const bool both = body_is_free(v, ends[0]) && body_is_free(v, ends[1]);
+    const double inverse_mass = both ? 1.0 / (body_mass(v, ends[0]) + body_mass(v, ends[1])) : 0.0;
+    common[1] = both ? gravity(v) : common[1];
     for (int end = 0; end < PAIR_BODIES; ++end) {
+        const struct body_path *path = &q->path[ends[end]];
         if (body_is_prescribed(v, ends[end])) {
-            struct vec3 velocity[3];
-            memcpy(velocity, q->path[ends[end]].velocity, sizeof velocity);
-            path_shift(velocity, 3, q->clock);
-            memcpy(common.velocity, velocity, sizeof common.velocity);
+            common[0] = path_at(path->velocity, 3, q->clock);
+            common[1] = path_slope(path->velocity, q->clock);
+        } else if (both) {
+            const double part = body_mass(v, ends[end]) * inverse_mass;
+            common[0] = vec3_axpy(common[0], part, q->body[ends[end]].velocity);
+            common[1] = vec3_axpy(common[1], inverse_mass, path_at(path->force, 3, q->clock));
         }
     }
-    if (body_is_free(v, ends[0]) && body_is_free(v, ends[1])) {
-        inverse_mass = 1.0 / (body_mass(v, ends[0]) + body_mass(v, ends[1]));
-        common.velocity[1] = gravity(v);
-    }
-    for (int end = 0; inverse_mass > 0.0 && end < PAIR_BODIES; ++end) {
-        const struct vec3 force = path_at(q->path[ends[end]].force, 3, q->clock);
-        const double part = body_mass(v, ends[end]) * inverse_mass;
-        common.velocity[0] = vec3_axpy(common.velocity[0], part, q->body[ends[end]].velocity);
-        common.velocity[1] = vec3_axpy(common.velocity[1], inverse_mass, force);
-    }
-    common.velocity[0] = coupled(p, common.velocity[0]);
-    common.velocity[1] = coupled(p, common.velocity[1]);
-    return common;
+    common[0] = flight_part_that_counts(&p->shape, p->normal, common[0]);
+    common[1] = flight_part_that_counts(&p->shape, p->normal, common[1]);
 }
 
-/* Moves a body head-on: by the common motion, its flight aside and its share of the separation. A difference
- * of two flights would lose the digits of bodies that rest against each other for long. */
+/* Moves a body head-on: by the common velocity, its flight aside and its share of the separation. A
+ * difference of two flights would lose the digits of bodies that rest against each other for long. */
 static void move_head_on(const struct contact_pair *p, const struct pair_change *change,
-                         struct scene_state *q, int body, double share, const struct common_motion *common)
+                         struct scene_state *q, int body, double share, const struct vec3 common[2])
 {
     struct body_state *state = &q->body[body];
     const double side = p->shape.side;
     struct free_flight f = free_flight_of(q, body, q->clock, state->velocity);
     for (int i = 0; i < f.terms; ++i) {
-        f.velocity[i] = aside(p, f.velocity[i]);
+        f.velocity[i] = pair_aside(p, f.velocity[i]);
     }
     const struct vec3 apart = vec3_axpy(p->rounded, side * (change->gap - p->gap), p->normal);
-    const struct vec3 moved = vec3_axpy(flight_displacement(common->velocity, 2, change->time), share, apart);
+    const struct vec3 moved = vec3_axpy(flight_displacement(common, 2, change->time), share, apart);
     if (!path_rests(f.force)) {
         q->external_work += flight_work_along(&f, change->time) + vec3_dot(f.force[0], moved);
     }
     const struct vec3 flown = flight_displacement(f.velocity, f.terms, change->time);
-    const struct vec3 together = path_at(common->velocity, 2, change->time);
+    const struct vec3 together = path_at(common, 2, change->time);
     state->moved = vec3_add(state->moved, vec3_add(flown, moved));
     state->velocity = vec3_add(path_at(f.velocity, f.terms, change->time),
                                vec3_axpy(together, share * side * change->gap_rate, p->normal));
@@ -291,16 +247,16 @@ void pair_apply(const struct contact_pair *p, const struct pair_change *change,
     const struct vec3 rounded = vec3_axpy(p->rounded, change->time, p->rate_rounded);
     const struct vec3 r = vec3_add(change->r, rounded);
     const struct vec3 r_rate = vec3_add(change->r_rate, p->rate_rounded);
-    struct common_motion common = {{{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}}};
+    struct vec3 common[2] = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
     if (change->head_on) {
-        common = common_motion_of(p, q, ends);
+        put_common_velocity(p, q, ends, common);
     }
     for (int end = 0; end < PAIR_BODIES; ++end) {
         const bool is_free = body_is_free(q->v, ends[end]);
         const double share =
             is_free ? (end == 0 ? -1.0 : 1.0) * p->reduced_mass / body_mass(q->v, ends[end]) : 0.0;
         if (is_free && change->head_on) {
-            move_head_on(p, change, q, ends[end], share, &common);
+            move_head_on(p, change, q, ends[end], share, common);
         } else if (is_free) {
             flight_deviate(q, ends[end], change->time, vec3_scale(share, r), vec3_scale(share, r_rate));
         }
@@ -312,7 +268,7 @@ void pair_apply(const struct contact_pair *p, const struct pair_change *change,
     state->physics.rate_rounding = rate_rounding_after(change, q, contact);
 }
 
-/* A component perpendicular to the plane of motion is rounding if it is below this fraction of its vector. */
+/* A component perpendicular to the plane of motion is rounding if it is below this fraction of the others. */
 static const double OUT_OF_PLANE = 8.0 * DBL_EPSILON;
 
 /* The projection of a vector along the normal leaves rounding, whose direction is arbitrary. Where a second
@@ -322,18 +278,16 @@ static const double MOSTLY_NORMAL = 0.5;
 /* Returns the first tangential direction in which the flight moves; zero where the motion is head-on. */
 static struct vec3 tangent_of(const struct contact_pair *from)
 {
-    for (int i = 1; i <= from->flight.degree; ++i) {
-        const struct vec3 rows[2] = {from->flight.c[i], from->flight.w[i - 1]};
-        for (int k = 0; k < 2; ++k) {
-            const struct vec3 across = contact_across(&from->shape, rows[k]);
-            const struct vec3 along = pair_tangential(from, across);
-            if (!vec3_is_zero(along) && !vec3_is_zero(vec3_cross(from->normal, across))) {
-                const struct vec3 direction = vec3_scale(1.0 / vec3_norm(along), along);
-                const struct vec3 tangent = pair_tangential(from, direction);
-                const double left = vec3_norm(tangent);
-                if (left > MOSTLY_NORMAL) {
-                    return vec3_scale(1.0 / left, tangent);
-                }
+    for (int i = 0; i < 2 * from->flight.degree; ++i) {
+        const struct vec3 *row = i % 2 == 0 ? &from->flight.c[i / 2 + 1] : &from->flight.w[i / 2];
+        const struct vec3 across = contact_across(&from->shape, *row);
+        const struct vec3 along = pair_tangential(from, across);
+        if (!vec3_is_zero(along) && !vec3_is_zero(vec3_cross(from->normal, across))) {
+            const struct vec3 direction = vec3_scale(1.0 / vec3_norm(along), along);
+            const struct vec3 tangent = pair_tangential(from, direction);
+            const double left = vec3_norm(tangent);
+            if (left > MOSTLY_NORMAL) {
+                return vec3_scale(1.0 / left, tangent);
             }
         }
     }
@@ -347,31 +301,33 @@ static bool put_in_frame(const struct frame_flight *flight, struct vec3 a, doubl
     for (int j = 0; j < FRAME; ++j) {
         out[j] = vec3_dot(flight->frame[j], a);
     }
-    return fabs(out[2]) > OUT_OF_PLANE * vec3_norm(a);
+    return fabs(out[2]) > OUT_OF_PLANE * (fabs(out[0]) + fabs(out[1]));
 }
 
-struct frame_flight frame_flight_of(const struct contact_pair *from)
+void frame_flight_make(struct frame_flight *flight, const struct contact_pair *from)
 {
-    struct frame_flight flight = {.frame = {from->normal, tangent_of(from)},
-                                  .degree = from->flight.degree,
-                                  .c = {{from->distance, 0.0, 0.0}}};
+    *flight = (struct frame_flight){.frame = {from->normal, tangent_of(from)},
+                                    .degree = from->flight.degree,
+                                    .c = {{from->distance, 0.0, 0.0}}};
     const bool at_rim = contact_is_circle(&from->shape);
     bool leaves_plane = false;
-    flight.head_on = vec3_is_zero(flight.frame[1]);
-    flight.frame[2] = vec3_cross(flight.frame[0], flight.frame[1]);
+    flight->head_on = vec3_is_zero(flight->frame[1]);
+    flight->frame[2] = vec3_cross(flight->frame[0], flight->frame[1]);
     if (at_rim) {
-        const struct rim_start rim = pair_rim_start(from);
-        memcpy(flight.frame, rim.frame, sizeof flight.frame);
-        (void)put_in_frame(&flight, from->flight.c[0], flight.c[0]);
+        const struct contact_solid *solid = &from->shape.solid;
+        flight->rim =
+            rim_start_of(from->shape.axis, solid->radius, solid->half_height, from->flight.c[0],
+                         contact_reach(&from->shape) + from->shape.side * from->gap, from->flight.c[1]);
+        memcpy(flight->frame, flight->rim.frame, sizeof flight->frame);
+        (void)put_in_frame(flight, from->flight.c[0], flight->c[0]);
     }
-    for (int i = 1; i <= flight.degree; ++i) {
+    for (int i = 1; i <= flight->degree; ++i) {
         const struct vec3 c = contact_across(&from->shape, from->flight.c[i]);
         const struct vec3 w = contact_across(&from->shape, from->flight.w[i - 1]);
-        leaves_plane = put_in_frame(&flight, c, flight.c[i]) || leaves_plane;
-        leaves_plane = put_in_frame(&flight, w, flight.w[i - 1]) || leaves_plane;
+        leaves_plane = put_in_frame(flight, c, flight->c[i]) || leaves_plane;
+        leaves_plane = put_in_frame(flight, w, flight->w[i - 1]) || leaves_plane;
     }
-    flight.dimensions = !at_rim && flight.head_on ? 1 : leaves_plane ? 3 : 2;
-    return flight;
+    flight->dimensions = !at_rim && flight->head_on ? 1 : leaves_plane ? 3 : 2;
 }
 
 /* Lowest damped frequency treated as an oscillation [radians per s], at 0.97 of critical damping. A lower one
@@ -381,12 +337,6 @@ static const double LOWEST_FREQUENCY = 0.25;
 static double along_normal(const struct contact_pair *from, int degree)
 {
     return from->shape.side * vec3_dot(from->normal, contact_across(&from->shape, from->flight.c[degree]));
-}
-
-/* Returns the bound below which |g| must stay [m]. */
-static double largest_gap(const struct contact_pair *from)
-{
-    return contact_may_reach_centre(&from->shape) ? contact_reach(&from->shape) : DBL_MAX;
 }
 
 bool pair_oscillation_make(struct pair_oscillation *p, const struct contact_pair *from)
@@ -408,7 +358,8 @@ bool pair_oscillation_make(struct pair_oscillation *p, const struct contact_pair
     p->omega_d = p->free.omega_d < LOWEST_FREQUENCY ? 0.0 : p->free.omega_d;
     p->amplitude = has_spring ? oscillator_envelope_of(&p->free.oscillator, y, y_rate).amplitude
                               : fabs(y) + fabs(p->free.by_faster); /* a weak dashpot's parts nearly cancel */
-    return fabs(p->equilibrium) + p->amplitude < largest_gap(from);
+    return fabs(p->equilibrium) + p->amplitude <
+           (contact_may_reach_centre(&from->shape) ? contact_reach(&from->shape) : DBL_MAX);
 }
 
 /* Whether y or y' has decayed so far that its direct value is more accurate than the start value plus the
@@ -453,36 +404,31 @@ double pair_oscillation_first_extremum(const struct pair_oscillation *p)
     return angle / p->omega_d;
 }
 
-/* Writes the start value, and the rate per s, of the part of a quantity that an oscillation y makes. In place
- * of the force it writes minus the force. The variable s of y is `per_time` [1/s] times the time. */
-static void put_oscillating_part(const struct contact_pair *from, enum pair_quantity quantity,
-                                 const struct oscillator *o, double per_time, double y, double y_rate,
-                                 double *start, double *rate)
+/* Returns the envelope of the part of a quantity that an oscillation y makes. The variable s of y is
+ * `per_time` [1/s] times the time. */
+static struct oscillator_envelope envelope_of(const struct contact_pair *from, enum pair_quantity quantity,
+                                              const struct oscillator *o, double per_time, double y,
+                                              double y_rate)
 {
     const double bend = -o->damping_rate * y_rate - o->omega2 * y;
     const double k = from->coefficients.k;
     const double c = from->coefficients.c * per_time;
-    *start = quantity == PAIR_GAP ? y : quantity == PAIR_GAP_RATE ? per_time * y_rate : k * y + c * y_rate;
-    *rate = quantity == PAIR_GAP        ? y_rate
-            : quantity == PAIR_GAP_RATE ? per_time * bend
-                                        : k * y_rate + c * bend;
+    const double start[] = {y, per_time * y_rate, k * y + c * y_rate};
+    const double rate[] = {y_rate, per_time * bend, k * y_rate + c * bend};
+    return oscillator_envelope_of(o, start[quantity], rate[quantity]);
 }
 
 bool pair_oscillation_stays_positive(const struct pair_oscillation *p, const struct event_function *what)
 {
-    const enum pair_quantity quantity = what->quantity;
-    if (!(p->from->coefficients.k > 0.0)) {
-        return false; /* without a spring the gap drifts */
-    }
     const double k = p->from->coefficients.k;
-    const double still = quantity == PAIR_GAP     ? p->equilibrium
-                         : quantity == PAIR_FORCE ? -k * p->equilibrium
-                                                  : 0.0;
-    const struct oscillator *o = &p->free.oscillator;
-    double start;
-    double rate;
-    put_oscillating_part(p->from, quantity, o, p->rate, p->free.y, p->free.y_rate, &start, &rate);
-    return oscillator_envelope_of(o, start, rate).amplitude < what->factor * still + what->offset;
+    const double still[] = {p->equilibrium, 0.0, -k * p->equilibrium};
+    const struct free_oscillation *y = &p->free;
+    double amplitude = p->amplitude; /* of the gap */
+    if (what->quantity != PAIR_GAP) {
+        amplitude = envelope_of(p->from, what->quantity, &y->oscillator, p->rate, y->y, y->y_rate).amplitude;
+    }
+    /* without a spring the gap drifts */
+    return k > 0.0 && amplitude < what->factor * still[what->quantity] + what->offset;
 }
 
 /* Sets a sample by the gap and its first derivatives. Computes the force of a decay as F_n = m_red (g'' -
@@ -580,25 +526,21 @@ void pair_oscillation_moments(const void *pair_oscillation, double s, const stru
     const double grown = change->gap - p->gap;
     const double rho = p->shape.side * vec3_dot(p->normal, change->r);
     const double rho_rate = p->shape.side * vec3_dot(p->normal, change->r_rate);
-    double before = 0.0; /* G_(j-1) */
-    double power = 1.0;  /* t^j */
+    double before = 0.0;       /* G_(j-1) */
+    double power = 1.0;        /* t^j */
+    double inertia = rho_rate; /* I_j */
     for (int j = 0; j < count; ++j) {
-        const double second = j < 2 ? 0.0 : of[j - 2];
-        const double inertia =
-            power * rho_rate - (j > 0 ? j * (power / t) * rho : 0.0) + j * (j - 1) * second;
-        const double next =
+        const double next = /* I_(j+1) */
             power * t * rho_rate - (j + 1) * power * rho + (j > 0 ? (j + 1) * j * of[j - 1] : 0.0);
         const double damped = power * grown - j * before;
         const double of_gap =
             k > 0.0 ? -(p->reduced_mass * inertia + c * damped) / k - p->gap * power * t / (j + 1)
                     : (power * t * grown + p->reduced_mass / c * next) / (j + 1);
-        double flown = 0.0;
-        for (int i = SEPARATION_DEGREE; i > 0; --i) {
-            flown = t * (flown + p->shape.side * vec3_dot(p->normal, p->flight.c[i]) / (i + j + 1));
-        }
+        const double flown = t * (along_normal(p, 1) / (j + 2) + t * along_normal(p, 2) / (j + 3));
         of[j] = of_gap - power * t * flown;
         moment[j] = vec3_scale(p->shape.side * of[j], p->normal);
         before = of_gap;
+        inertia = next;
         power *= t;
     }
 }
@@ -619,17 +561,21 @@ void pair_hertz_force(const struct contact_pair *from, const double u[3], const 
 
 /* The force of an overdamped step follows from the acceleration, because the forces of spring and dashpot
  * nearly cancel. */
-static void fill_sample(const struct pair_collocation *p, const double x[4], double s,
-                        struct pair_sample *sample)
+static void fill_sample(const struct pair_collocation *p, double s, const double averaged[4],
+                        const double y[4], struct pair_sample *sample)
 {
     const double side = p->from->shape.side;
     const double per_time = side / p->step.half;
+    double x[4];
+    for (int i = 0; i < 4; ++i) {
+        x[i] = averaged[i] + y[i];
+    }
     for (int i = 0; i < 3; ++i) {
         sample->of[PAIR_GAP][i] = side * x[i];
         sample->of[PAIR_GAP_RATE][i] = per_time * x[i + 1];
     }
-    if (SCENE_ANY_CAPS && p->step.from.at_rim) {
-        collocation_edges(&p->step, s, x, sample->of[PAIR_RADIAL], sample->of[PAIR_AXIAL]);
+    if (SCENE_ANY_CAPS && contact_is_rim(&p->from->shape)) {
+        collocation_edges(&p->step, s, averaged, y, sample->of[PAIR_RADIAL], sample->of[PAIR_AXIAL]);
     }
     if (SCENE_ANY_HERTZ && p->from->hertz_stiffness > 0.0) {
         double u[3] = {sqrt(fmax(-side * x[0], 0.0))};
@@ -654,24 +600,25 @@ static void fill_sample(const struct pair_collocation *p, const double x[4], dou
 void pair_collocation_sample(const void *pair_collocation, double s, struct pair_sample *sample)
 {
     const struct pair_collocation *p = pair_collocation;
-    double x[4];
-    collocation_deviation(&p->step, s, x);
-    fill_sample(p, x, s, sample);
+    double averaged[4];
+    double y[4];
+    collocation_deviation(&p->step, s, averaged, y);
+    fill_sample(p, s, averaged, y, sample);
 }
 
-void pair_free_oscillation(const struct pair_collocation *p, enum pair_quantity quantity, double *start,
-                           double *rate)
+struct oscillator_envelope pair_collocation_envelope(const struct pair_collocation *p,
+                                                     enum pair_quantity quantity)
 {
-    put_oscillating_part(p->from, quantity, &p->step.result.oscillator, 1.0 / p->step.half, p->step.result.y,
-                         p->step.result.y_rate, start, rate);
+    const struct collocation_result *by = &p->step.result;
+    return envelope_of(p->from, quantity, &by->oscillator, 1.0 / p->step.half, by->y, by->y_rate);
 }
 
 void pair_collocation_sample_averaged(const void *pair_collocation, double s, struct pair_sample *sample)
 {
     const struct pair_collocation *p = pair_collocation;
-    double x[4];
-    collocation_averaged_deviation(&p->step, s, x);
-    fill_sample(p, x, s, sample);
+    double averaged[4];
+    nodal_derivatives(p->step.result.slow, s, averaged);
+    fill_sample(p, s, averaged, (const double[4]){0.0}, sample);
 }
 
 /* Returns the energy that the dashpot dissipates in a quasi-static step, the integral of its power k_h
@@ -682,7 +629,7 @@ static double quasi_static_dissipated(const struct pair_collocation *p, double s
     for (int i = 0; i < LOBATTO_MAX && p->from->chi > 0.0; ++i) {
         double weight;
         double x[4];
-        collocation_deviation(&p->step, expansion_node(i, s, &weight), x);
+        nodal_derivatives(p->step.result.slow, expansion_node(i, s, &weight), x);
         const double depth = -p->from->shape.side * x[0];
         sum += weight * depth * sqrt(depth) * x[1] * x[1] / p->step.half;
     }
@@ -701,24 +648,17 @@ struct pair_change pair_collocation_advance(const void *pair_collocation, double
     const struct pair_collocation *p = pair_collocation;
     const struct contact_pair *from = p->from;
     const struct collocation_change step = collocation_change_at(&p->step, s);
-    struct pair_change change = {.time = p->step.half * s, .r = step.moved, .r_rate = step.gained};
-    double power = 1.0;
-    for (int i = 1; i <= SEPARATION_DEGREE; ++i) {
-        const struct vec3 c = p->step.from.flown[i - 1];
-        if (i > 1) {
-            change.r_rate = vec3_axpy(change.r_rate, -i * power, c);
-        }
-        power *= change.time;
-        change.r = vec3_axpy(change.r, -power, c);
-    }
-    change.r = step_in_world(p, change.r);
-    change.r_rate = step_in_world(p, change.r_rate);
-    change.gap = from->shape.side * step.deviation;
+    const struct collocation_problem *start = &p->step.from;
+    const double time = p->step.half * s;
+    const struct vec3 r = vec3_axpy(step.moved, -time, path_at(start->flown, SEPARATION_DEGREE, time));
+    const struct vec3 flown = flight_displacement(start->acceleration, COLLOCATION_ACCELERATION_TERMS, time);
+    struct pair_change change = {.time = time,
+                                 .r = step_in_world(p, r),
+                                 .r_rate = step_in_world(p, vec3_sub(step.gained, flown)),
+                                 .gap = from->shape.side * step.deviation};
     if (SCENE_ANY_HERTZ && p->from->hertz_stiffness > 0.0) {
-        double x[4];
-        collocation_deviation(&p->step, s, x);
         change.head_on = from->is_head_on;
-        change.gap_rate = from->shape.side * x[1] / p->step.half;
+        change.gap_rate = from->shape.side * step.rate / p->step.half;
         change.dissipated = quasi_static_dissipated(p, s);
     } else if (from->coefficients.c > 0.0) {
         change.dissipated = from->reduced_mass * collocation_dissipated(&p->step, s);
@@ -752,7 +692,6 @@ static void take_frame(struct pair_timescales *out, const struct contact_pair *p
 {
     const bool at_rim = contact_is_circle(&p->shape);
     const double d = out->problem.reach + out->problem.deviation;
-    out->problem.at_rim = at_rim;
     out->problem.head_on = flight->head_on;
     for (int i = 0; i < SEPARATION_DEGREE; ++i) {
         const double *c = flight->c[i + 1];
@@ -763,7 +702,7 @@ static void take_frame(struct pair_timescales *out, const struct contact_pair *p
         out->problem.acceleration[i] = vec3_scale((i + 1) * (i + 2), out->problem.flown[i + 1]);
     }
     out->problem.rim =
-        at_rim ? pair_rim_start(p)
+        at_rim ? flight->rim
                : (struct rim_start){.frame = {flight->frame[0], flight->frame[2], flight->frame[1]},
                                     .distance = d,
                                     .rho = d,

@@ -28,15 +28,12 @@ struct contact_pair {
     struct contact_coefficients coefficients;
     double hertz_stiffness; /* k_h; 0 under the linear law [N/m^1.5] */
     double chi;             /* the factor of Hunt and Crossley in the regime; 0 under the linear law [s/m] */
-    /* C and W, also along a cylinder's axis, except C(0) of a centre on the axis */
-    struct separation_path flight;
-    double axial;         /* c.e_d where the destination is a cylinder [m] */
-    struct vec3 normal;   /* n */
-    double distance, gap; /* d [m], accumulated gap g [m] */
+    struct separation_path flight; /* C and W, also along a cylinder's axis; at the centre C has `rounded` */
+    struct vec3 normal;            /* n */
+    double distance, gap;          /* d [m], accumulated gap g [m] */
     /* rounding, added to c so that c agrees with the accumulated gap or with the direction taken at the
      * centre [m] */
     struct vec3 rounded;
-    bool starts_rounded;      /* C(0) contains `rounded`, as at the centre */
     struct vec3 rate_rounded; /* rounding, added to w so that side n.w is `rate` [m/s] */
     double rate;              /* g' [m/s] */
     bool rate_is_known;       /* g' is carried or exactly zero: no rounding of velocities */
@@ -81,8 +78,9 @@ double pair_pressing_load(const struct contact_pair *p);
 /* Returns the force that would keep the bodies at their present distance, m_red |L| [N]. */
 double pair_load(const struct contact_pair *p);
 
-/* Returns the part of the vector `across` that is perpendicular to n and turns n; zero at a plane. */
-struct vec3 pair_tangential(const struct contact_pair *p, struct vec3 across);
+/* Returns the part of a vector that does not act on head-on motion: along a plane or a cylinder's axis; zero
+ * elsewhere. The rounding of a difference from the part that acts would move bodies that rest for long. */
+struct vec3 pair_aside(const struct contact_pair *p, struct vec3 a);
 
 /* Returns the change by side r n, along the normal. */
 struct pair_change pair_change_along_normal(const struct contact_pair *from, double time, double r,
@@ -107,11 +105,12 @@ struct frame_flight {
     int degree;                             /* degree of C; that of W is one less */
     double c[SEPARATION_DEGREE + 1][FRAME]; /* C [m, m/s, ...] */
     double w[SEPARATION_DEGREE][FRAME];     /* W [m/s, ...] */
+    struct rim_start rim;                   /* the start of a motion about a circle; else zero */
 };
 
-/* Returns the flight. At a rim the frame is that of rim.h, where two directions suffice in a plane through
+/* Makes the flight. At a rim the frame is that of rim.h, where two directions suffice in a plane through
  * the axis. */
-struct frame_flight frame_flight_of(const struct contact_pair *from);
+void frame_flight_make(struct frame_flight *flight, const struct contact_pair *from);
 
 /*
  * A contact pair in head-on motion: along the normal alone, under a constant relative acceleration along the
@@ -194,10 +193,9 @@ void pair_collocation_sample(const void *pair_collocation, double s, struct pair
 /* Makes the sample of the averaged motion, without the oscillation. */
 void pair_collocation_sample_averaged(const void *pair_collocation, double s, struct pair_sample *sample);
 
-/* Writes the start value and the rate per s of the oscillating part of a quantity (for the force: of minus
- * the force). */
-void pair_free_oscillation(const struct pair_collocation *p, enum pair_quantity quantity, double *start,
-                           double *rate);
+/* Returns the envelope of the oscillating part of a quantity. */
+struct oscillator_envelope pair_collocation_envelope(const struct pair_collocation *p,
+                                                     enum pair_quantity quantity);
 
 struct pair_change pair_collocation_advance(const void *pair_collocation, double s);
 

@@ -20,12 +20,6 @@ struct rim_start rim_start_of(struct vec3 axis, double radius, double half_heigh
     return start;
 }
 
-/* Returns the factor of the azimuth in the changes of rim_state_of, rho divided by d at the start. */
-static double rim_scale(const struct rim_start *start)
-{
-    return start->rho / start->distance;
-}
-
 /* In a plane motion one of the angles rests. */
 struct rim_angles rim_angles_of(const struct rim_start *start, double turned, double tilted)
 {
@@ -35,8 +29,8 @@ struct rim_angles rim_angles_of(const struct rim_start *start, double turned, do
         by.sine = sin(start->tilt + tilted);
     }
     if (turned != 0.0) {
-        by.turned_cosine = cos(turned / rim_scale(start));
-        by.turned_sine = sin(turned / rim_scale(start));
+        by.turned_cosine = cos(turned);
+        by.turned_sine = sin(turned);
     }
     return by;
 }
@@ -44,11 +38,10 @@ struct rim_angles rim_angles_of(const struct rim_start *start, double turned, do
 struct rim_state rim_state_of(const struct rim_start *start, const double change[4], double grown,
                               struct rim_angles by)
 {
-    const double scale = rim_scale(start);
     const double d = start->distance + grown;
     return (struct rim_state){.d = d,
                               .rho = start->radius + d * by.cosine,
-                              .azimuth_momentum = start->azimuth_momentum + scale * change[2],
+                              .azimuth_momentum = start->azimuth_momentum + change[2],
                               .tilt_momentum = start->tilt_momentum + change[3],
                               .grown = grown,
                               .by = by};
@@ -71,14 +64,13 @@ struct rim_slopes rim_slopes_at(const struct rim_state *at, struct vec3 accelera
                                .load = at->d * tilting * tilting + c * push - s * acceleration.y};
 }
 
-void rim_slopes_by_distance(const struct rim_start *start, const struct rim_state *at,
-                            struct vec3 acceleration, double slopes[4])
+void rim_slopes_by_distance(const struct rim_state *at, struct vec3 acceleration, double slopes[4])
 {
     const struct rim_slopes here = rim_slopes_at(at, acceleration);
     const double c = at->by.cosine;
-    slopes[0] = rim_scale(start) * (-2.0 * here.azimuth * c / at->rho);
+    slopes[0] = -2.0 * here.azimuth * c / at->rho;
     slopes[1] = -2.0 * here.tilt / at->d;
-    slopes[2] = c * here.azimuth_momentum / at->rho / rim_scale(start);
+    slopes[2] = c * here.azimuth_momentum / at->rho;
     slopes[3] = here.tilt_momentum / at->d + 3.0 * at->d * at->by.sine * c * here.azimuth * here.azimuth;
 }
 
@@ -112,16 +104,4 @@ struct vec3 rim_gained(const struct rim_start *start, const struct rim_state *at
                          (before * start->cosine - along * start->sine),
                      before * start->sine + along * start->cosine - (radial * s + along_now * c),
                      outward * at->by.turned_sine + around_now * at->by.turned_cosine - around);
-}
-
-void rim_edges(const double tilt[3], double reach, double radial[3], double axial[3])
-{
-    const double c = reach * cos(tilt[0]);
-    const double s = reach * sin(tilt[0]);
-    radial[0] = c;
-    radial[1] = -s * tilt[1];
-    radial[2] = -c * tilt[1] * tilt[1] - s * tilt[2];
-    axial[0] = s;
-    axial[1] = c * tilt[1];
-    axial[2] = c * tilt[2] - s * tilt[1] * tilt[1];
 }

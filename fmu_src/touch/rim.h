@@ -54,21 +54,17 @@ struct rim_slopes {
 struct rim_start rim_start_of(struct vec3 axis, double radius, double half_height, struct vec3 c,
                               double distance, struct vec3 rate);
 
-/* Returns the state after d has grown by `grown` and the coordinates have changed. change[0] is the change of
- * the azimuth times rho divided by d at the start, and change[2] is the change of h divided by this factor,
- * so that tolerances mean the same in both directions. change[1] and change[3] are the changes of the tilt
- * and of L. */
+/* Returns the state after d has grown by `grown`, and azimuth, tilt, h and L by `change`. */
 struct rim_state rim_state_of(const struct rim_start *start, const double change[4], double grown,
                               struct rim_angles by);
 
-/* Returns the cosines and sines for the first two changes of rim_state_of. */
+/* Returns the cosines and sines after azimuth and tilt have changed. */
 struct rim_angles rim_angles_of(const struct rim_start *start, double turned, double tilted);
 
 struct rim_slopes rim_slopes_at(const struct rim_state *at, struct vec3 acceleration);
 
 /* Sets the derivatives with respect to d of the rates of azimuth, tilt and both momenta (rim_slopes). */
-void rim_slopes_by_distance(const struct rim_start *start, const struct rim_state *at,
-                            struct vec3 acceleration, double slopes[4]);
+void rim_slopes_by_distance(const struct rim_state *at, struct vec3 acceleration, double slopes[4]);
 
 /* These functions return n, c - c(0) [m], and c' - c'(0) [m/s] where d' is first `before` and then `radial`,
  * in the frame. Where n turns, the differences have the rounding of d and of the speeds; a motion that does
@@ -77,9 +73,5 @@ struct vec3 rim_normal(const struct rim_state *at);
 struct vec3 rim_moved(const struct rim_start *start, const struct rim_state *at);
 struct vec3 rim_gained(const struct rim_start *start, const struct rim_state *at, double before,
                        double radial);
-
-/* Sets reach cos(tilt) and reach sin(tilt) [m], event functions that are zero where the zone of the rim ends,
- * and their first two derivatives from the tilt and its derivatives. */
-void rim_edges(const double tilt[3], double reach, double radial[3], double axial[3]);
 
 #endif

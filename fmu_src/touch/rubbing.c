@@ -103,9 +103,7 @@ static struct slide slide_of(const struct segment *p, const struct scene_state *
     f.arm = vec3_scale(pair->shape.side * pair->shape.source_radius, pair->normal);
     f.rotation = turns ? q->turning.body[source].angular_velocity : f.rotation;
     const struct vec3 rolled = vec3_cross(f.rotation, f.arm);
-    /* twice, because rounding of the speeds leaves a part along n the first time */
-    const struct vec3 across = contact_across_plane(pair->normal, vec3_sub(rolled, pair->flight.w[0]));
-    const struct vec3 slip = contact_across_plane(pair->normal, across);
+    const struct vec3 slip = contact_across_plane(pair->normal, vec3_sub(rolled, pair->flight.w[0]));
     const double rounding =
         ROLLING_ROUNDINGS * DBL_EPSILON *
         (vec3_norm(rolled) + vec3_norm(q->body[source].velocity) + vec3_norm(pair->flight.w[0]));
@@ -201,9 +199,8 @@ struct way_panel {
 /* Sets a panel and returns an estimate of the error that its polynomials make in places [m]. */
 static double way_panel_make(struct way_panel *panel, const struct slide *f, double from, double length)
 {
-    const struct lobatto *nodes = &lobatto[LOBATTO_TWELVE];
     for (int i = 0; i < LOBATTO_MAX; ++i) {
-        const double s = from + 0.5 * length * (1.0 + nodes->node[i]);
+        const double s = from + 0.5 * length * nodal_place(i);
         struct pair_change change;
         const double impulse = impulse_at(f, s, &change);
         panel->time[i] = change.time;
@@ -211,16 +208,15 @@ static double way_panel_make(struct way_panel *panel, const struct slide *f, dou
         panel->lost[i] = speed_lost(f, impulse, &panel->slip[i]);
     }
     const double fastest = f->slip + vec3_norm(f->rotation) * vec3_norm(f->arm);
-    return nodal_tail(nodes, panel->slip) * (panel->time[LAST_NODE] - panel->time[0]) +
-           nodal_tail(nodes, panel->time) * fastest;
+    return nodal_tail(panel->slip) * (panel->time[LAST_NODE] - panel->time[0]) +
+           nodal_tail(panel->time) * fastest;
 }
 
 /* Adds a panel to the moments. */
 static void add_moments(const struct way_panel *panel, struct travel *way)
 {
-    const struct lobatto *nodes = &lobatto[LOBATTO_TWELVE];
     for (int i = 0; i < LOBATTO_MAX; ++i) {
-        double part = nodes->integral[i * LOBATTO_MAX + LAST_NODE] * panel->pace[i] * panel->lost[i];
+        double part = nodal_weight(i) * panel->pace[i] * panel->lost[i];
         for (int k = 0; k < MOMENTS; ++k) {
             way->lost[k] += part;
             part *= panel->time[i];
@@ -237,7 +233,6 @@ static const double MOST_TURN = 1.0;
  * nodes. */
 static void turn_over(const struct way_panel *panel, const struct slide *f, struct travel *way)
 {
-    const struct lobatto *nodes = &lobatto[LOBATTO_TWELVE];
     const struct quaternion start = way->turn.orientation;
     nodal_values rate[4];
     nodal_values grown[4] = {{0.0}};
@@ -254,7 +249,7 @@ static void turn_over(const struct way_panel *panel, const struct slide *f, stru
             rate[3][i] = panel->pace[i] * turning.z;
         }
         for (int k = 0; k < 4; ++k) {
-            change = fmax(change, nodal_integrate(nodes, rate[k], grown[k]));
+            change = fmax(change, nodal_integrate(rate[k], grown[k]));
         }
         if (change < DBL_EPSILON) {
             break;
@@ -363,8 +358,7 @@ static struct travel travel_to(const struct slide *f, double s, const struct pai
     const bool turning = axis_turns(f, lost, end->time);
     if (f->per_impulse > 0.0) {
         const double full = end_of_full_friction(f, s);
-        const double radians = radians_in(f->segment, end->time);
-        const double length = radians > LONGEST_PANEL ? s * (LONGEST_PANEL / radians) : s;
+        const double length = s * fmin(1.0, LONGEST_PANEL / radians_in(f->segment, end->time));
         if (full > 0.0) {
             slide_fully(f, full, length, turning, &way);
         }
@@ -454,18 +448,6 @@ void rubbing_advance(struct segment *p, double from, double s, struct scene_stat
     }
 }
 
-/* Between two samples a force may have one extremum that exceeds both, but by a factor below this. */
-static const double ABOVE_SAMPLES = 4.0;
-
-static bool cap_may_act(const struct segment *p, const struct friction_law *law)
-{
-    double largest = 0.0;
-    for (int i = 0; i < p->output.count; ++i) {
-        largest = fmax(largest, ABOVE_SAMPLES * fabs(p->output.at[i].of[PAIR_FORCE][0]));
-    }
-    return !(law->coefficient * largest < law->largest);
-}
-
 /* Most radians of the contact's oscillation that quadratures follow in one segment: some hundred panels. */
 static const double MOST_RADIANS = 400.0;
 
@@ -481,7 +463,7 @@ static double closed_until(const struct slide *f, double end)
 bool rubbing_allows(struct segment *p, const struct scene_state *q, int contact)
 {
     const struct friction_law law = scene_friction_law(q, contact, OPPOSED_SLIP);
-    if (cap_may_act(p, &law)) {
+    if (!(law.coefficient * segment_bound(p, PAIR_FORCE) < law.largest)) {
         return false;
     }
     const double end = fmin(p->end, p->terminal.s);

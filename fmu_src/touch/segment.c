@@ -43,10 +43,10 @@ static const double IDLE_DASHPOT = 1e-3;
 static const double REBOUND = 2.0;
 static const double CRITICAL_SWING = 2.0;
 
-/* Returns the bound of |g| [m] or |g'| [m/s] where one is set, else the largest value of the samples. */
+/* Returns the bound of the absolute value of a quantity where one is set, else the largest of the samples. */
 static double largest_size(const struct segment *p, enum pair_quantity quantity)
 {
-    double largest = quantity == PAIR_GAP ? p->largest_gap : p->largest_rate;
+    double largest = p->largest[quantity];
     const bool known = largest > 0.0;
     for (int i = 0; i < p->output.count && !known; ++i) {
         largest = fmax(largest, fabs(p->output.at[i].of[quantity][0]));
@@ -78,12 +78,8 @@ static double terminal_event_gap_tolerance(const struct segment *p)
  * segment's largest penetration. */
 static struct contact_coefficients full_coefficients(const struct segment *p)
 {
-    const struct contact_law *law = &p->pair.law;
-    if (!contact_is_hertz(law)) {
-        return contact_factors_of(law, REGIME_COMPRESSION);
-    }
     const struct contact_slopes slopes =
-        contact_force_slopes(law, REGIME_COMPRESSION, -largest_size(p, PAIR_GAP), 0.0);
+        contact_force_slopes(&p->pair.law, REGIME_COMPRESSION, -largest_size(p, PAIR_GAP), 0.0);
     return (struct contact_coefficients){-slopes.by_gap, -slopes.by_rate};
 }
 
@@ -144,70 +140,64 @@ static struct event_function terminal_event_margin(const struct segment *p)
                                            : (struct event_function){PAIR_GAP_RATE, -1.0, separating};
 }
 
-/* Whether bodies that part at this speed are pressed together again before the gap has grown to
- * GAP_HYSTERESIS of the penetration. */
-static bool comes_back_at_once(const struct segment *p, double speed)
+/* Whether bodies that part at this speed are pressed together again before the gap has grown to `room`
+ * [m]. */
+static bool comes_back_within(const struct segment *p, double speed, double room)
 {
-    const struct contact_pair *from = &p->pair;
-    const double pressing = pair_pressing_load(from);
-    return pressing > 0.0 && speed * speed <= 2.0 * pressing * GAP_HYSTERESIS * largest_size(p, PAIR_GAP);
+    const double pressing = pair_pressing_load(&p->pair);
+    return pressing > 0.0 && speed * speed <= 2.0 * pressing * room;
 }
 
-/* Returns the release. It is at p->parting if that is known and the bodies do not come back at once; else the
- * gap tells it. */
-static struct terminal_event parting(struct segment *p)
+/* Returns the s of the release. It is p->parting if that is known and the bodies do not come back at once;
+ * else the gap tells it. */
+static double parting(struct segment *p)
 {
-    struct terminal_event terminal = {(double)INFINITY, {PAIR_GAP, -1.0, 0.0}, REGIME_APART, false};
+    struct event_function overlap = {PAIR_GAP, -1.0, 0.0};
     if (SCENE_ANY_HERTZ && !isnan(p->parting)) {
         const double speed = p->output.at[p->output.count - 1].of[PAIR_GAP_RATE][0];
         const bool ends = p->parting > 0.0 && p->parting <= p->end;
-        terminal.s = ends && hertz_hardly_parts(&p->pair, speed) ? (double)INFINITY : p->parting;
-        return terminal;
+        const bool comes_back = ends && comes_back_within(p, speed, hertz_idle_depth(&p->pair));
+        return comes_back ? (double)INFINITY : p->parting;
     }
-    terminal.s = dense_output_first_event(&p->output, &terminal.function);
-    if (terminal.s < (double)INFINITY) {
-        const struct pair_sample *then = dense_output_at(&p->output, terminal.s);
-        const double speed = then->of[PAIR_GAP_RATE][0];
+    const double s = dense_output_first_event(&p->output, &overlap);
+    if (s < (double)INFINITY) {
+        const double speed = dense_output_at(&p->output, s)->of[PAIR_GAP_RATE][0];
         const double clean = CLEAR_SEPARATION * largest_size(p, PAIR_GAP_RATE);
         if (contact_is_hertz(&p->pair.law) || !(speed > p->pair.rate_rounding) ||
-            (speed <= clean && comes_back_at_once(p, speed))) {
-            terminal.function.offset = terminal_event_gap_tolerance(p);
-            terminal.s = dense_output_first_event(&p->output, &terminal.function);
+            (speed <= clean && comes_back_within(p, speed, GAP_HYSTERESIS * largest_size(p, PAIR_GAP)))) {
+            overlap.offset = terminal_event_gap_tolerance(p);
+            return dense_output_first_event(&p->output, &overlap);
         }
     }
-    return terminal;
+    return s;
 }
 
 static struct terminal_event terminal_event_first(struct segment *p)
 {
-    struct terminal_event first = {(double)INFINITY, {PAIR_GAP, -1.0, 0.0}, REGIME_APART, false};
-    if (p->event_free) {
-        return first;
-    }
-    first = parting(p);
+    struct terminal_event first = {parting(p), REGIME_APART, false};
     if (has_margin(p)) {
         const struct event_function margin = terminal_event_margin(p);
         const double s = dense_output_first_event(&p->output, &margin);
         if (s < first.s) {
             const enum contact_regime next =
                 p->may_pull ? p->regime : contact_regime_after(&p->pair.law, p->regime);
-            first = (struct terminal_event){s, margin, next, p->may_pull};
+            first = (struct terminal_event){s, next, p->may_pull};
         }
     }
     return first;
 }
 
-/* Returns a bound of |g| [m]. Between two samples a quantity may have one extremum that exceeds both, but by
- * a factor below four. */
-static double deepest_of(const struct segment *p)
+/* Between two samples a quantity may have one extremum that exceeds both, but by a factor below four. */
+double segment_bound(const struct segment *p, enum pair_quantity quantity)
 {
-    return p->largest_gap > 0.0 ? p->largest_gap : 4.0 * largest_size(p, PAIR_GAP);
+    return p->largest[quantity] > 0.0 ? p->largest[quantity] : 4.0 * largest_size(p, quantity);
 }
 
 /* Returns the s at which d = 0 and n reverses; INFINITY where that is not within the segment. */
 static double terminal_event_centre(struct segment *p)
 {
-    if (!SCENE_ANY_CURVED || p->clear_of_centre || deepest_of(p) < contact_reach(&p->pair.shape)) {
+    if (!SCENE_ANY_CURVED || p->clear_of_centre ||
+        segment_bound(p, PAIR_GAP) < contact_reach(&p->pair.shape)) {
         return (double)INFINITY;
     }
     const struct event_function distance = {PAIR_GAP, p->pair.shape.side, contact_reach(&p->pair.shape)};
@@ -285,12 +275,11 @@ static bool collocated_applies(const struct segment *p)
  * quantity has two extrema between two samples. The nodes show the extrema of the motion under the load. */
 static void add_decay_samples(const struct segment *p, struct dense_output *w, double from, double to)
 {
-    const struct lobatto *nodes = p->as.collocation.step.nodes;
     const struct oscillator *decays = &p->as.collocation.step.result.oscillator;
     dense_output_add(w, from);
-    add_times_of_decay(w, oscillator_rates_of(decays), from, fmin(1.0 + nodes->node[2], to));
-    for (int i = 0; i < nodes->points; ++i) {
-        const double s = 1.0 + nodes->node[i];
+    add_times_of_decay(w, oscillator_rates_of(decays), from, fmin(nodal_place(2), to));
+    for (int i = 0; i < LOBATTO_MAX; ++i) {
+        const double s = nodal_place(i);
         if (s > w->s[w->count - 1] && s < to) {
             dense_output_add(w, s);
         }
@@ -301,17 +290,16 @@ static void add_decay_samples(const struct segment *p, struct dense_output *w, d
 /* Sets up the segment and its samples from the step in p->as.collocation. */
 static void collocated_sample(struct segment *p)
 {
-    const struct lobatto *nodes = p->as.collocation.step.nodes;
+    p->as.collocation.from = &p->pair;
     p->unit = p->as.collocation.step.half;
     p->end = 2.0;
-    p->output.latest_s = -1.0;
     p->output.count = 0;
-    if (p->as.collocation.step.kind == COLLOCATION_OVERDAMPED) {
+    if (p->kind == SEGMENT_OVERDAMPED) {
         add_decay_samples(p, &p->output, 0.0, p->end);
         return;
     }
-    for (; p->output.count < nodes->points; ++p->output.count) {
-        const double s = 1.0 + nodes->node[p->output.count];
+    for (; p->output.count < LOBATTO_MAX; ++p->output.count) {
+        const double s = nodal_place(p->output.count);
         p->output.s[p->output.count] = s;
         pair_collocation_sample_averaged(&p->as.collocation, s, &p->output.at[p->output.count]);
     }
@@ -338,17 +326,20 @@ static const double LONG_STEP = 2.5;
 /* An averaged or an overdamped step is tried with at most so many lengths. */
 enum { ATTEMPTS = 12 };
 
-/* Length by which an averaged step ends before an event [radians of the oscillator]: COLLOCATED_SHORTEST, so
- * that no other averaged step is tried before the event. Series go on from there and locate the event. */
-static const double BEFORE_EVENT = 3.0;
-
-/* Returns the error [m] of treating an oscillation or fast decay of amplitude `a` [m] to first order. The
- * second order of its closed-form part is 4 a ratio^2, where `ratio` is the tangential rate divided by the
- * oscillation's rate. The mean of (a/d)^2 in n' acts over `radians` of the tangential motion and adds 3 a^2
- * radians / d. */
-static double averaged_error(double a, double ratio, double distance, double radians)
+/* Whether a step [s] is accurate if n and H contain the oscillation or the fast decay, of amplitude `a` [m],
+ * to first order only. The second order of its closed-form part is 4 a ratio^2, where `ratio` is the
+ * tangential rate divided by the rate of oscillation or decay. The mean of (a/d)^2 in n' acts over `radians`
+ * of the tangential motion, in which a decay has died away, and adds 3 a^2 radians / d. */
+static bool first_order_suffices(const struct segment *p, double step, double a)
 {
-    return 4.0 * a * ratio * ratio + 3.0 * a * a / distance * radians;
+    const struct pair_timescales *scales = &p->scales;
+    const bool decays = p->kind == SEGMENT_OVERDAMPED;
+    const double tangential_rate = pair_tangential_rate_within(scales, step);
+    const double fast = decays ? scales->rates.faster : scales->rates.slower;
+    const double ratio = tangential_rate / fast;
+    const double radians = decays ? ratio : tangential_rate * step;
+    const double error = 4.0 * a * ratio * ratio + 3.0 * a * a / scales->problem.reach * radians;
+    return fast >= SEPARATION_OF_RATES * tangential_rate && error <= p->tolerance;
 }
 
 /* A bound of a quantity in an averaged step: the averaged quantity plus sign times the envelope of the
@@ -363,11 +354,7 @@ struct pair_bound {
 static struct pair_bound pair_bound_of(const struct pair_collocation *p, enum pair_quantity quantity,
                                        double sign)
 {
-    double start;
-    double rate;
-    pair_free_oscillation(p, quantity, &start, &rate);
-    return (struct pair_bound){p, quantity, sign,
-                               oscillator_envelope_of(&p->step.result.oscillator, start, rate)};
+    return (struct pair_bound){p, quantity, sign, pair_collocation_envelope(p, quantity)};
 }
 
 /* Adds to a sample at s the envelope of the oscillation or decay that the averaged motion leaves out. */
@@ -455,28 +442,18 @@ static bool closed_form_make(struct segment *p)
     dense_output_add(&p->output, 0.0);
     if (made->omega_d > 0.0) {
         /* the samples are extrema of the gap, where the gap rate is zero */
-        p->largest_gap = fabs(made->equilibrium) + made->amplitude;
-        p->largest_rate = made->rate * made->amplitude;
+        p->largest[PAIR_GAP] = fabs(made->equilibrium) + made->amplitude;
+        p->largest[PAIR_GAP_RATE] = made->rate * made->amplitude;
         add_extrema_of_oscillation(&p->output, made, p->end);
     } else {
         const struct oscillator_rates rates = {made->free.slower, made->free.faster};
         add_times_of_decay(&p->output, rates, 0.0, p->end);
         dense_output_add(&p->output, p->end);
     }
-    p->event_free = !(event_free_until(p) < (double)INFINITY);
-    p->end = p->event_free ? end : p->output.s[p->output.count - 1];
+    const bool is_event_free = !(event_free_until(p) < (double)INFINITY);
+    p->terminal.s = is_event_free ? (double)INFINITY : (double)NAN;
+    p->end = is_event_free ? end : p->output.s[p->output.count - 1];
     return true;
-}
-
-/* Whether a step is accurate if n and H contain the oscillation to first order only. */
-static bool averaged_is_accurate(const struct segment *p, double step)
-{
-    const struct pair_timescales *scales = &p->scales;
-    const double tangential_rate = pair_tangential_rate_within(scales, step);
-    const double slower = scales->rates.slower;
-    const double left_out = averaged_error(scales->oscillation, tangential_rate / slower,
-                                           scales->problem.reach, tangential_rate * step);
-    return slower >= SEPARATION_OF_RATES * tangential_rate && left_out <= p->tolerance;
 }
 
 /* Returns the longest step to try [s], or 0 for none. A shorter step helps only where the relative
@@ -485,7 +462,8 @@ static double longest_step(const struct segment *p)
 {
     const struct pair_timescales *scales = &p->scales;
     double step = pair_step_within(scales, p->longest, LONG_STEP);
-    while (step * scales->rates.slower >= COLLOCATED_SHORTEST && !averaged_is_accurate(p, step)) {
+    while (step * scales->rates.slower >= COLLOCATED_SHORTEST &&
+           !first_order_suffices(p, step, scales->oscillation)) {
         step *= pair_tangential_rate_within(scales, step) > scales->tangential_rate ? 0.5 : 0.0;
     }
     return step;
@@ -509,18 +487,19 @@ static bool averaged_make(struct segment *p)
             collocation_make(&made->step, &scales->problem, step, COLLOCATION_AVERAGED, 0.1 * p->tolerance);
         /* The error at the end of a step is about the square of the error in between. Ten times the square of
          * points times tail is above all measured errors. */
-        const double tail = is_made ? made->step.nodes->points * made->step.result.interior_error : 0.0;
+        const double tail = is_made ? LOBATTO_MAX * made->step.result.interior_error : 0.0;
         if (!(is_made && tail * (10.0 * tail / d) <= p->tolerance)) {
             step *= 0.5;
             continue;
         }
         collocated_sample(p);
         const double until = event_free_until(p);
-        p->event_free = until >= 2.0;
-        if (p->event_free) {
+        if (until >= 2.0) {
+            p->terminal.s = (double)INFINITY;
             return true;
         }
-        step = until * made->step.half - BEFORE_EVENT / scales->rates.slower;
+        /* what is left is too short for another averaged step: series go on and locate the event */
+        step = until * made->step.half - COLLOCATED_SHORTEST / scales->rates.slower;
     }
     return false;
 }
@@ -535,31 +514,12 @@ static const double OVERDAMPED_GROWTH = 4.0;
 /* The slow and the fast decay are treated apart where their rates differ by this factor or more. */
 static const double SEPARATION_OF_DECAYS = 4.0;
 
-/* Whether a step is accurate if n and H contain the fast decay, of amplitude `decay` [m], to first order
- * only. */
-static bool overdamped_is_accurate(const struct segment *p, double step, double decay)
-{
-    const double tangential_rate = pair_tangential_rate_within(&p->scales, step);
-    const double ratio = tangential_rate / p->scales.rates.faster;
-    return p->scales.rates.faster >= SEPARATION_OF_RATES * tangential_rate &&
-           averaged_error(decay, ratio, p->scales.problem.reach, ratio) <= p->tolerance;
-}
-
 /* An error of n [rad] changes the load along n by as large a part of it. Where the law has events, the
  * sweeps leave an error of less than this part of HYSTERESIS. The decay of a larger one would look as if it
  * might end the regime, segment after segment, and no averaged segment would follow. */
 static const double ERROR_OF_LOAD = 1e-2;
 
 /* Makes a step that is within tolerance everywhere, not only at its end, because an event may end it. */
-static bool overdamped_try(struct segment *p, double step)
-{
-    struct collocation *made = &p->as.collocation.step;
-    const double turned = ERROR_OF_LOAD * HYSTERESIS * p->scales.problem.reach;
-    const double tolerance = has_margin(p) ? fmin(0.1 * p->tolerance, turned) : 0.1 * p->tolerance;
-    return collocation_make(made, &p->scales.problem, step, COLLOCATION_OVERDAMPED, tolerance) &&
-           made->result.interior_error <= p->tolerance;
-}
-
 static bool overdamped_make(struct segment *p)
 {
     const struct pair_timescales *scales = &p->scales;
@@ -567,6 +527,9 @@ static bool overdamped_make(struct segment *p)
         return false;
     }
     p->work += COLLOCATED_WORK;
+    struct collocation *made = &p->as.collocation.step;
+    const double turned = ERROR_OF_LOAD * HYSTERESIS * scales->problem.reach;
+    const double tolerance = has_margin(p) ? fmin(0.1 * p->tolerance, turned) : 0.1 * p->tolerance;
     const double longest = fmin(p->longest, COLLOCATED_SHORTEST / scales->rates.slower);
     double step = pair_step_within(scales, longest, OVERDAMPED_STEP);
     if (pair_tangential_rate_within(scales, step) > 0.0) {
@@ -574,9 +537,11 @@ static bool overdamped_make(struct segment *p)
     }
     double decay = 0.0;
     for (int i = 0; i < ATTEMPTS && step * scales->rates.faster >= COLLOCATED_SHORTEST; ++i) {
-        if (overdamped_is_accurate(p, step, decay) && overdamped_try(p, step)) {
-            decay = fabs(p->as.collocation.step.result.y);
-            if (overdamped_is_accurate(p, step, decay)) {
+        if (first_order_suffices(p, step, decay) &&
+            collocation_make(made, &scales->problem, step, COLLOCATION_OVERDAMPED, tolerance) &&
+            made->result.interior_error <= p->tolerance) {
+            decay = fabs(made->result.y);
+            if (first_order_suffices(p, step, decay)) {
                 collocated_sample(p);
                 return true;
             }
@@ -640,9 +605,6 @@ static void peak_error_note(const struct segment *p, double from, double to, str
 {
     struct contact_record *record = &state->record;
     double *force_error = &state->physics.force_error;
-    if (*force_error == 0.0 && p->gap_is_known && p->pair.rate_is_known) {
-        return;
-    }
     double size;
     const double start = error_at_start(p, &size);
     const struct contact_coefficients *by = &p->pair.coefficients;
@@ -756,10 +718,7 @@ static void peaks_note(struct segment *p, struct contact_peaks *peaks, double fr
         peaks->force = largest_of(p, &dense_output_force, &range, peaks->force);
     } else { /* a spring's force is largest at the largest penetration */
         const double deepest = largest_of(p, &dense_output_penetration, &range, -(double)INFINITY);
-        const double force = contact_is_hertz(&p->pair.law)
-                                 ? contact_normal_force_of(&p->pair.law, p->regime, -deepest, 0.0)
-                                 : p->pair.coefficients.k * deepest;
-        contact_peaks_note(peaks, force, deepest);
+        contact_peaks_note(peaks, contact_force(&p->pair.law, p->regime, -deepest, 0.0), deepest);
     }
 }
 
@@ -786,16 +745,10 @@ static struct torque_lever torque_lever_of(const struct contact_pair *pair)
 {
     const struct contact_shape *shape = &pair->shape;
     struct torque_lever lever = {.moments = 0};
-    for (int i = 0; i <= pair->flight.degree; ++i) {
+    for (int i = 0; SCENE_HAS_TORQUES && i <= pair->flight.degree; ++i) {
         const struct vec3 flown = pair->flight.c[i];
         struct vec3 *c = &lever.c[i];
-        if (contact_is_circle(shape)) {
-            *c = flown;
-        } else if (contact_is_plane(shape)) { /* bodies at rest may fly far along n */
-            *c = contact_across_plane(pair->normal, flown);
-        } else if (contact_is_cylinder(shape)) { /* c[0] may lack the part along the axis */
-            *c = vec3_scale(i == 0 ? pair->axial : vec3_dot(shape->axis, flown), shape->axis);
-        }
+        *c = contact_is_circle(shape) ? flown : pair_aside(pair, flown);
         lever.foot[i] = contact_is_skew(shape)
                             ? contact_across_plane(pair->normal, contact_foot_along(shape, flown))
                             : *c;
@@ -810,12 +763,10 @@ struct vec3 segment_lever(const struct contact_pair *pair, const struct pair_cha
                           const struct vec3 moment[PAIR_MOMENTS], const struct vec3 c[SEPARATION_DEGREE + 1])
 {
     const double t = change->time;
-    struct vec3 rate = c[1];
     const int degree = pair->flight.degree;
-    double power = 1.0;
-    for (int i = 2; i <= degree; ++i) {
-        power *= t;
-        rate = vec3_axpy(rate, i * power, c[i]);
+    struct vec3 rate = {0.0, 0.0, 0.0};
+    for (int i = degree; i > 0; --i) {
+        rate = vec3_axpy(vec3_scale(i, c[i]), t, rate);
     }
     const struct vec3 at = path_at(c, degree + 1, t);
     struct vec3 sum = vec3_sub(vec3_cross(at, change->r_rate), vec3_cross(rate, change->r));
@@ -868,22 +819,11 @@ static double end_at_rim(struct segment *p)
                 end_of_rim_by(p, PAIR_AXIAL, place.axial, rounding));
 }
 
-/* The path of a segment along a face of the solid, with the centre near the face or inside the solid. */
+/* A segment along a face of the solid, with the centre near the face or inside the solid. */
 struct face_path {
     const struct segment *segment;
-    struct separation_path flight;
-    double raised; /* amount added to the margin, see depth_margin [m] */
+    double raised; /* amount added to the margin, see sample_depth_margin [m] */
 };
-
-static struct face_path face_path_of(const struct segment *p)
-{
-    struct face_path path = {.segment = p, .flight = p->pair.flight};
-    if (p->pair.starts_rounded) { /* leave_centre (pair.c) has set C(0) without its part along the axis */
-        path.flight.c[0] = vec3_axpy(path.flight.c[0], p->pair.axial, p->pair.shape.axis);
-    }
-    path.raised = zone_path_rounding(&p->pair.shape.solid, path.flight.c[0]);
-    return path;
-}
 
 /* Puts the margin [m] in place of the gap, without its second derivative; serves as a dense_output_sampler.
  * The margin is negative where another face is nearer to a centre inside the solid, and positive outside the
@@ -898,8 +838,9 @@ static void sample_depth_margin(const void *face_path, double s, struct pair_sam
     p->output.sampler(p->output.segment, s, at);
     const double depth = margin[0] + p->pair.shape.source_radius;
     const double time = segment_time(p, s);
-    const struct vec3 c = path_at(path->flight.c, SEPARATION_DEGREE + 1, time);
-    const struct vec3 by_s = vec3_scale(segment_pace(p, s), path_at(path->flight.w, SEPARATION_DEGREE, time));
+    const struct vec3 c = path_at(p->pair.flight.c, SEPARATION_DEGREE + 1, time);
+    const struct vec3 by_s =
+        vec3_scale(segment_pace(p, s), path_at(p->pair.flight.w, SEPARATION_DEGREE, time));
     const struct solid_place place = contact_place_at(solid, c);
     const double along = vec3_dot(solid->axis, c);
     const double along_by_s = vec3_dot(solid->axis, by_s);
@@ -916,13 +857,14 @@ static void sample_depth_margin(const void *face_path, double s, struct pair_sam
     }
 }
 
-static double end_by_depth(struct face_path *path, double end)
+static double end_by_depth(const struct segment *p, double end)
 {
     const struct event_function margin = {PAIR_GAP, 1.0, 0.0};
-    struct dense_output w = {sample_depth_margin, path, 0.0, .latest_s = -1.0};
+    struct face_path path = {p, zone_path_rounding(&p->pair.shape.solid, p->pair.flight.c[0])};
+    struct dense_output w = {sample_depth_margin, &path, 0.0, .latest_s = -1.0};
     struct pair_sample start;
-    sample_depth_margin(path, 0.0, &start);
-    path->raised += 2.0 * fmax(-start.of[PAIR_GAP][0], 0.0);
+    sample_depth_margin(&path, 0.0, &start);
+    path.raised += 2.0 * fmax(-start.of[PAIR_GAP][0], 0.0);
     for (int i = 0; i < DENSE_OUTPUT_POINTS; ++i) {
         dense_output_add(&w, end * i / (DENSE_OUTPUT_POINTS - 1));
     }
@@ -931,14 +873,13 @@ static double end_by_depth(struct face_path *path, double end)
 
 /* Whether the centre may get so deep into the solid that another face is nearer, by bounds of the depth and
  * of the length that the flight goes along the face. */
-static bool may_change_face(const struct face_path *path)
+static bool may_change_face(const struct segment *p)
 {
-    const struct segment *p = path->segment;
     const struct contact_solid *solid = &p->pair.shape.solid;
-    const double depth = deepest_of(p) - p->pair.shape.source_radius;
+    const double depth = segment_bound(p, PAIR_GAP) - p->pair.shape.source_radius;
     const double time = segment_time(p, p->end);
-    const double length = time * path_size(path->flight.c + 1, SEPARATION_DEGREE, time);
-    const struct solid_place place = contact_place_at(solid, path->flight.c[0]);
+    const double length = time * path_size(p->pair.flight.c + 1, SEPARATION_DEGREE, time);
+    const struct solid_place place = contact_place_at(solid, p->pair.flight.c[0]);
     const double other = solid->zone == ZONE_SIDE ? place.axial : place.radial;
     const bool opposite = solid->zone != ZONE_SIDE && depth >= solid->half_height;
     return depth >= 0.0 && (opposite || other + length >= -depth);
@@ -946,15 +887,13 @@ static bool may_change_face(const struct face_path *path)
 
 static double zone_end_of_face(const struct segment *p, double end)
 {
-    struct face_path path = face_path_of(p);
     /* The force has no part along the side, nor across the axis at a cap: the centre leaves the face by its
      * flight, at a root of polynomials. */
-    const double time = zone_path_leaves_face(&p->pair.shape.solid, &path.flight, segment_time(p, end));
+    const double time = zone_path_leaves_face(&p->pair.shape.solid, &p->pair.flight, segment_time(p, end));
     const double s = time < (double)INFINITY ? segment_place(p, time) : (double)INFINITY;
-    if (contact_is_skew(&p->pair.shape)) { /* segment_make refuses a depth at which n would jump */
-        return s;
-    }
-    return may_change_face(&path) ? fmin(s, end_by_depth(&path, fmin(s, end))) : s;
+    /* at skew cylinders segment_make refuses a depth at which n would jump */
+    const bool may_change = !contact_is_skew(&p->pair.shape) && may_change_face(p);
+    return may_change ? fmin(s, end_by_depth(p, fmin(s, end))) : s;
 }
 
 /* Ends the segment where its zone ends, if the zone ends before p->terminal. */
@@ -983,9 +922,8 @@ static double zone_longest_inside(const struct segment *p)
     if (!contact_is_capped(&p->pair.shape) || contact_is_rim(&p->pair.shape)) {
         return (double)INFINITY;
     }
-    const struct face_path path = face_path_of(p);
     const double longest = LONGEST_INSIDE * sqrt(p->pair.reduced_mass / p->pair.coefficients.k);
-    return longest < segment_time(p, p->end) && may_change_face(&path) ? longest : (double)INFINITY;
+    return longest < segment_time(p, p->end) && may_change_face(p) ? longest : (double)INFINITY;
 }
 
 /* The first kind that can be made is taken. For a kind without `time`, the time is unit times s. */
@@ -1011,7 +949,7 @@ static const struct {
                             pair_collocation_moments, NULL},
     /* All other contacts: soft ones, short remainders of a motion and Hertz's law. A segment
      * covers two radians of the contact's oscillation, of the bodies' passage or of the rim. */
-    [SEGMENT_SERIES] = {series_make, series_sample, series_advance, series_moments, series_time},
+    [SEGMENT_SERIES] = {series_make, series_sample, series_advance, series_moments, expansion_time},
 #if SCENE_ANY_HERTZ
     /* Hertz's law after the oscillation has died away: a segment covers a radian of the tangential motion. */
     [SEGMENT_QUASI_STATIC] = {quasi_static_make, pair_collocation_sample, pair_collocation_advance,
@@ -1026,11 +964,12 @@ static const struct {
 /* Sets the time since the start [s] and its derivative by s. */
 static void put_time_at(const struct segment *p, double s, double time[3])
 {
-    time[0] = s * p->unit;
-    time[1] = p->unit;
     if (kinds[p->kind].time != NULL) {
         kinds[p->kind].time(&p->as, s, time);
+        return;
     }
+    time[0] = s * p->unit;
+    time[1] = p->unit;
 }
 
 double segment_time(const struct segment *p, double s)
@@ -1074,12 +1013,11 @@ void segment_moments(const struct segment *p, double s, const struct pair_change
 static bool make_kind(struct segment *p, enum segment_kind kind)
 {
     p->kind = kind;
-    p->as.from = &p->pair;
-    p->event_free = false;
     /* contact in a hollow body ends before the centre */
     p->clear_of_centre = !contact_may_reach_centre(&p->pair.shape);
-    p->largest_gap = p->largest_rate = 0.0;
-    p->terminal.s = p->parting = (double)NAN;
+    memset(p->largest, 0, sizeof p->largest);
+    p->parting = (double)NAN;
+    p->terminal = (struct terminal_event){.s = (double)NAN};
     p->output.sampler = kinds[kind].sample;
     p->output.segment = &p->as;
     p->output.count = 0;
@@ -1087,17 +1025,15 @@ static bool make_kind(struct segment *p, enum segment_kind kind)
     return kinds[kind].make(p);
 }
 
-static bool is_collocated(const struct segment *p)
-{
-    return p->kind != SEGMENT_CLOSED_FORM && p->kind < SEGMENT_SERIES;
-}
-
 /* Makes a segment under Hertz's law by the series. If its first coefficients show nothing fast, the
  * quasi-static kind follows. If that kind fails, the series is made after all. */
 static void make_hertz(struct segment *p)
 {
     p->may_be_quasi_static = SCENE_ANY_HERTZ && quasi_static_applies(p);
-    if (!make_kind(p, SEGMENT_SERIES) && !make_kind(p, SEGMENT_QUASI_STATIC)) {
+    const bool is_series = make_kind(p, SEGMENT_SERIES);
+    if (!is_series && make_kind(p, SEGMENT_QUASI_STATIC)) {
+        collocated_sample(p);
+    } else if (!is_series) {
         p->may_be_quasi_static = false;
         (void)make_kind(p, SEGMENT_SERIES);
     }
@@ -1120,12 +1056,9 @@ static double longest_by_flight(const struct segment *p)
 /* Makes the segment by the first collocated kind that applies, if that segment stays clear of the centre. */
 static bool make_collocated(struct segment *p)
 {
-    enum segment_kind kind = SEGMENT_AVERAGED;
     pair_timescales_make(&p->scales, &p->pair, &p->flight);
-    while (kind < SEGMENT_SERIES && !make_kind(p, kind)) {
-        kind += 1;
-    }
-    return kind < SEGMENT_SERIES && collocated_stays_off_centre(p);
+    return (make_kind(p, SEGMENT_AVERAGED) || make_kind(p, SEGMENT_OVERDAMPED)) &&
+           collocated_stays_off_centre(p);
 }
 
 static void make_up_to(struct segment *p, double longest)
@@ -1133,7 +1066,7 @@ static void make_up_to(struct segment *p, double longest)
     const bool is_hertz = SCENE_ANY_HERTZ && contact_is_hertz(&p->pair.law);
     p->longest = p->pair.is_head_on ? longest : fmin(longest, longest_by_flight(p));
     if (!make_kind(p, is_hertz ? SEGMENT_HERTZ_ELASTIC : SEGMENT_CLOSED_FORM)) {
-        p->flight = frame_flight_of(&p->pair);
+        frame_flight_make(&p->flight, &p->pair);
         if (is_hertz) {
             make_hertz(p);
         } else if (!make_collocated(p)) {
@@ -1151,8 +1084,9 @@ static const double BEYOND_EDGE = 1e-6;
 
 static void note_zone_end(struct segment *p)
 {
+    const bool is_collocated = p->kind == SEGMENT_AVERAGED || p->kind == SEGMENT_OVERDAMPED;
     zone_end_note(p);
-    if (p->leaves_zone && p->terminal.s > 0.0 && is_collocated(p) && contact_is_rim(&p->pair.shape)) {
+    if (p->leaves_zone && p->terminal.s > 0.0 && is_collocated && contact_is_rim(&p->pair.shape)) {
         make_up_to(p, p->terminal.s * p->unit * (1.0 + BEYOND_EDGE));
         zone_end_note(p);
     }
@@ -1173,34 +1107,29 @@ bool segment_make(struct segment *p, const struct scene_instant *at, int contact
     p->is_lifted =
         p->may_pull && at->q->contact[contact].friction_regime[OPPOSED_SLIP] == (int32_t)FRICTION_LIFTED;
     make_up_to(p, longest);
-    if (SCENE_ANY_CAPS) {
-        const double inside = zone_longest_inside(p);
-        if (inside < (double)INFINITY) {
-            make_up_to(p, inside);
-        }
+    const double inside = zone_longest_inside(p);
+    if (inside < (double)INFINITY) {
+        make_up_to(p, inside);
     }
     terminal_event_at_centre(p);
     if (SCENE_ANY_ZONES) {
         note_zone_end(p);
     }
     return p->end > 0.0 &&
-           !(contact_is_skew(&p->pair.shape) && deepest_of(p) >= contact_reach(&p->pair.shape));
+           !(contact_is_skew(&p->pair.shape) && segment_bound(p, PAIR_GAP) >= contact_reach(&p->pair.shape));
 }
 
 bool segment_is_deep(const struct segment *p)
 {
-    return p->largest_gap > contact_reach(&p->pair.shape);
+    return p->largest[PAIR_GAP] > contact_reach(&p->pair.shape);
 }
 
 void segment_advance(struct segment *p, double from, double s, struct scene_state *q, int contact)
 {
     struct contact_state *state = &q->contact[contact];
     struct pair_change change = segment_change(p, s);
-    struct torque_lever lever = {.moments = 0};
+    const struct torque_lever lever = torque_lever_of(&p->pair);
     struct vec3 moment[PAIR_MOMENTS];
-    if (SCENE_HAS_TORQUES) {
-        lever = torque_lever_of(&p->pair);
-    }
     const int of_work = path_degree(p->pair.force, 3);
     segment_moments(p, s, &change, of_work > lever.moments ? of_work : lever.moments, moment);
     change.head_on = change.head_on && !segment_is_deep(p);
@@ -1212,7 +1141,5 @@ void segment_advance(struct segment *p, double from, double s, struct scene_stat
         peak_error_note(p, segment_time(p, from), segment_time(p, s), state);
     }
     pair_apply(&p->pair, &change, moment, q, contact);
-    if (SCENE_HAS_TORQUES) {
-        add_torque_impulse(&p->pair, &lever, &change, moment, &state->physics.impulse);
-    }
+    add_torque_impulse(&p->pair, &lever, &change, moment, &state->physics.impulse);
 }

@@ -27,9 +27,9 @@ enum segment_kind {
 /* A contact pair by power series (series.c). Body 1 stands for the deviation of the separation from its
  * flight. */
 struct pair_series {
+    struct expansion terms; /* comes first: a series of a pair has the time of its expansion */
     const struct contact_pair *from;
     const struct frame_flight *flight;
-    struct expansion terms;
     struct expansion_row row;
     struct expansion_body body[2];
     struct expansion_rim rim;
@@ -50,10 +50,9 @@ struct hertz_elastic {
 
 /* The event that ends a regime. */
 struct terminal_event {
-    double s;                       /* INFINITY: not within the segment */
-    struct event_function function; /* the function that falls through zero at s */
-    enum contact_regime regime;     /* the regime after the event */
-    bool lifts;                     /* F_n changes its sign, and with it friction; the regime goes on */
+    double s; /* INFINITY: not within the segment; NaN: `make` has not set it, and the samples are searched */
+    enum contact_regime regime; /* the regime after the event */
+    bool lifts;                 /* F_n changes its sign, and with it friction; the regime goes on */
 };
 
 struct segment {
@@ -63,7 +62,7 @@ struct segment {
     bool gap_is_known;   /* the gap is carried or exactly zero: gap_rounding does not apply */
     double tolerance;    /* error allowed in the segment [m] */
     double longest;      /* the segment need not be longer [s] */
-    double unit;         /* time per s [s], see segment_time */
+    double unit;         /* time per s, where that is constant [s]; see segment_time */
     double end;          /* the segment covers s from 0 to `end` */
     int work;            /* cost of making it, in steps in closed form (integrator/phases.h) */
     struct dense_output output;
@@ -77,7 +76,6 @@ struct segment {
     /* Only the kinds and the search for peaks read the members below. */
     enum segment_kind kind;
     union {
-        const struct contact_pair *from; /* &pair, the first member of all kinds */
         struct pair_oscillation oscillation;
         struct pair_collocation collocation;
         struct pair_series series;
@@ -85,10 +83,9 @@ struct segment {
     } as;
     struct frame_flight flight;    /* set for all kinds but the closed forms */
     struct pair_timescales scales; /* set for the collocated kinds */
-    bool event_free;               /* the segment has no event */
     bool clear_of_centre;          /* the segment does not meet d = 0 */
-    double largest_gap;            /* bound of |g| [m]; 0: the largest of the samples */
-    double largest_rate;           /* bound of |g'| [m/s]; 0: the largest of the samples */
+    /* bounds of the absolute values of the quantities; 0: the largest of the samples counts */
+    double largest[PAIR_QUANTITIES];
 };
 
 /* Makes a segment from the present instant over at most `longest` > 0 seconds, accurate to `tolerance` [m].
@@ -116,6 +113,9 @@ void segment_moments(const struct segment *p, double s, const struct pair_change
 struct vec3 segment_lever(const struct contact_pair *pair, const struct pair_change *change,
                           const struct vec3 moment[PAIR_MOMENTS], const struct vec3 c[SEPARATION_DEGREE + 1]);
 
+/* Returns a bound of the absolute value of a quantity in the segment. */
+double segment_bound(const struct segment *p, enum pair_quantity quantity);
+
 /* Whether the contact may become deeper than the bodies are wide. Positions then do not give the gap. */
 bool segment_is_deep(const struct segment *p);
 
@@ -142,8 +142,6 @@ struct pair_change series_advance(const void *pair_series, double s);
 void series_moments(const void *pair_series, double s, const struct pair_change *change, int count,
                     struct vec3 *moment);
 
-void series_time(const void *pair_series, double s, double time[3]);
-
 /* The kind for head-on motion under Hertz's law without damping: a segment lasts up to the release, and
  * `make` sets p->parting. */
 bool hertz_elastic_make(struct segment *p);
@@ -154,7 +152,7 @@ void hertz_elastic_moments(const void *hertz_elastic, double s, const struct pai
                            struct vec3 *moment);
 
 /* The kind for Hertz's law under a load that presses the bodies together and changes far more slowly than the
- * contact oscillates or settles. */
+ * contact oscillates or settles. `make` leaves unit, end and samples to its caller. */
 bool quasi_static_applies(const struct segment *p);
 bool quasi_static_make(struct segment *p);
 
@@ -172,15 +170,8 @@ double hertz_depth_to_come(const struct contact_pair *from, double opening);
  * load [s]; 0 for any other contact. */
 double hertz_coasting_time(const struct segment *p);
 
-/* Whether bodies that part at this speed come back before the gap grows to the depth at which the force is
- * negligible beside the load. An oscillation that touches zero then has no events by rounding. */
-bool hertz_hardly_parts(const struct contact_pair *from, double speed);
-
-/* Whether the terminal event is the end of a zone of a capped cylinder or of skew cylinders. The regime then
- * goes on in the next zone. */
-static inline bool zone_end_is_terminal(const struct segment *p)
-{
-    return SCENE_ANY_ZONES && p->leaves_zone;
-}
+/* Returns the depth at which the force is negligible beside the load [m]. Bodies that come back from within
+ * as large a gap have not parted: an oscillation that touches zero then has no events by rounding. */
+double hertz_idle_depth(const struct contact_pair *from);
 
 #endif

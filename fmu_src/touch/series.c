@@ -59,12 +59,12 @@ static void begin_series(struct pair_series *p, const struct contact_pair *from,
 {
     struct expansion_row *r = &p->row;
     const bool at_rim = contact_is_circle(&from->shape);
+    p->from = from;
     p->flight = flight;
     memset(&p->terms, 0, sizeof p->terms);
     memset(r, 0, sizeof *r);
     memset(&p->body[1], 0, sizeof p->body[1]); /* body 0 does not move */
     p->terms.rows = 1;
-    p->terms.bodies = 2;
     p->terms.row = r;
     p->terms.body = p->body;
     p->terms.is_framed = true;
@@ -74,10 +74,8 @@ static void begin_series(struct pair_series *p, const struct contact_pair *from,
     p->terms.unit = unit_of(p, by_root);
     taylor_put(&p->terms.pace, 0, by_root ? sqrt(fmax(-from->gap, 0.0)) : 1.0);
     p->body[1].by_mass = 1.0 / from->reduced_mass;
-    r->end[1] = 1;
     r->side = from->shape.side;
     r->is_hertz = by_root;
-    r->is_straight = p->flight->dimensions == 1;
     r->k = by_root ? from->hertz_stiffness : from->coefficients.k;
     r->c = by_root ? from->chi : from->coefficients.c;
     r->by_distance = 1.0 / from->distance;
@@ -85,7 +83,6 @@ static void begin_series(struct pair_series *p, const struct contact_pair *from,
     memcpy(r->flown, p->flight->c, sizeof p->flight->c);
     memcpy(r->flown_rate, p->flight->w, sizeof p->flight->w);
     for (int j = 0; j < FRAME; ++j) {
-        p->terms.along[j] = j;
         /* Away from a rim, n at the start is the first direction of the frame, without rounding. */
         const double along = j == 0 ? 1.0 : 0.0;
         taylor_put(&r->n[j], 0, at_rim ? vec3_dot(p->flight->frame[j], from->normal) : along);
@@ -103,11 +100,6 @@ static void begin_series(struct pair_series *p, const struct contact_pair *from,
         r->mismatch = p->mismatch;
     }
     expansion_make(&p->terms, 0, SERIES_FIRST);
-}
-
-void series_time(const void *pair_series, double s, double time[3])
-{
-    expansion_time(&((const struct pair_series *)pair_series)->terms, s, time);
 }
 
 void series_sample(const void *pair_series, double s, struct pair_sample *sample)
@@ -160,7 +152,7 @@ void series_moments(const void *pair_series, double s, const struct pair_change 
         double time[3];
         const double at = expansion_node(i, s, &weight);
         const struct vec3 r = vector_at(p, p->body[1].moved, at);
-        series_time(p, at, time);
+        expansion_time(&p->terms, at, time);
         weight *= time[1];
         for (int j = 0; j < count; ++j) {
             moment[j] = vec3_axpy(moment[j], weight, r);
@@ -236,23 +228,18 @@ bool series_make(struct segment *p)
     const double step = expansion_reliable(
         &made->terms, by_root ? 0.0 : fmax(p->pair.distance, contact_reach(&p->pair.shape)),
         p->pair.reduced_mass * speed, series_accuracy(p, by_root));
-    double parting = (double)INFINITY; /* the first s at which u passes through zero */
-    if (SCENE_ANY_HERTZ && by_root) {
+    if (SCENE_ANY_HERTZ && by_root) { /* the bodies part where u passes through zero */
         const bool opens = opened[0] == 0.0 && !(opened[1] > 0.0);
-        parting = opens ? 0.0 : taylor_first_fall(opened, TAYLOR_TERMS, step);
+        p->parting = opens ? 0.0 : taylor_first_fall(opened, TAYLOR_TERMS, step);
     }
-    p->unit = made->terms.unit;
-    p->end = fmin(step, parting > 0.0 ? parting : step);
-    if (parting > 0.0 && expansion_time_at(&made->terms, p->end) > p->longest) {
-        p->end = pair_place_by(series_time, made, p->longest, p->end);
-        parting = p->end < parting ? (double)INFINITY : parting;
+    p->end = p->parting > 0.0 ? fmin(step, p->parting) : step;
+    if (p->parting != 0.0 && expansion_time_at(&made->terms, p->end) > p->longest) {
+        p->end = pair_place_by(expansion_time, &made->terms, p->longest, p->end);
+        p->parting = p->end < p->parting ? (double)INFINITY : p->parting;
     }
     const int places = by_root ? PLACES_BY_ROOT : PLACES_BY_TIME;
     for (int i = 0; i < places; ++i) {
         dense_output_add(&p->output, p->end * i / (places - 1));
-    }
-    if (SCENE_ANY_HERTZ && by_root) {
-        p->parting = parting;
     }
     return true;
 }

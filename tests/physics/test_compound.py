@@ -279,6 +279,17 @@ def test_momenta_and_energy_of_bodies_that_meet_by_their_parts_last(opened_sever
     assert touched > 4
 
 
+def test_hinged_bars_that_torques_press_together_take_few_evaluations(opened_several):
+    """No centre moves: the rounding of gaps and spins counts by the moments of inertia alone."""
+    fmu, pairs = opened_several("TwoBars"), ("aa", "ab", "ba", "bb", "ball_a", "ball_b")
+    values = {f"{p}.penalty_factor": 1e8 for p in pairs} | {f"{p}.viscous_penalty_factor": 1e4 for p in pairs}
+    for body, torque in (("one", -1.0), ("two", 1.0)):
+        values |= {f"{body}.motion": "fixed", f"{body}.rotation": "free"}
+        values |= {f"{body}.external_torque": [0, torque, 0], f"{body}.principal_inertia": [0.1, 0.1, 0.1]}
+    run(fmu, values | {"two.center": [0.05, 0.0, 0.2199]}, 0.5, 1, 1e-10, "event_driven")
+    assert fmu["solver.force_evaluations"] < 2_000
+
+
 def test_moments_of_inertia_that_no_body_has_are_refused(opened):
     with pytest.raises(Exception, match=r"tripod.principal_inertia = .* contradicts itself"):
         start(opened("Tripod"), {"tripod.principal_inertia": [1.0, 0.1, 0.2]})

@@ -46,6 +46,23 @@ def test_balls_in_touch_leave_with_the_speeds_of_the_reference(opened_several, b
     assert islands[-1] == (0, 0)  # all apart
 
 
+def test_a_light_ball_on_a_heavy_one_is_as_accurate_as_alone(opened_several):
+    """The rounding of a heavy contact must not count as an error that is allowed in a light ball."""
+    values = {"ball[1].mass": 1e4, "ball[2].mass": 1e-3, "ball[1].radius": 0.5, "ball[2].radius": 0.05}
+    values |= {"ball[1].center": [0, 0, 0.5 - 9.81e-5], "ball[2].center": [0.1, 0, 0.5 + 0.540823]}
+    for i, name in ((1, "land[1]"), (2, "touch[1,2]")):
+        values |= {f"ball[{i}].motion": "free", f"ball[{i}].rotation": "free", f"{name}.friction": "elastic"}
+        values |= {f"{name}.friction_coefficient": 0.3, f"{name}.penalty_factor": (1e9, 1e3)[i - 1]}
+        values |= {f"{name}.tangential_stiffness": (8e8, 8e2)[i - 1], f"{name}.method": "penalty"}
+    values |= {"touch[1,2].viscous_penalty_factor": 0.1, "touch[1,2].tangential_damping": 0.01}
+    fmu, ends = opened_several("Islands"), []
+    for method, tolerance in (("event_driven", 1e-9), ("cvode_bdf", 1e-12)):
+        run(fmu, values, 0.3, 1, tolerance, method)
+        ends.append(fmu["ball[2].angular_velocity"].copy())
+    assert fmu["touch[1,2].onsets"] > 0
+    check_close("spin", ends[0], ends[1], 1e-7)
+
+
 def test_an_island_under_hertz_law_takes_few_series(fmu_path):
     """The force bends at a touch and at a release, where a series in time converges ever more slowly."""
     values = {f"touch[{i}].law": "hertz" for i in range(1, 5)}

@@ -233,6 +233,17 @@ def test_the_solver_goes_on_with_another_limit_and_tolerance(opened):
     check_close("position", fmu["source.position"], position, 1e-6)
 
 
+def test_another_tolerance_within_a_contact_leaves_the_motion_as_it_was(opened):
+    ends = []
+    for tolerance in (1e-8, 2e-8):
+        fmu = start(opened("SphereSphere"), BALL, 1e-8, "event_driven")
+        for _ in range(16):
+            fmu.step(STEP)
+            fmu["solver.relative_tolerance"] = tolerance if fmu["contact.active"] else 1e-8
+        ends.append(np.hstack([fmu["source.position"], fmu["energy.total"]]))
+    check_close("the end", ends[1], ends[0], 1e-10)
+
+
 def test_a_force_element_has_the_new_force_at_once(opened):
     moves = {"source.prescribed_velocity": [-0.2, 0.0, 0.0]}  # 1 mm deep beside the cylinder, deeper still
     fmu = start(opened("ForceElement"), {**moves, "contact.viscous_penalty_factor": 100.0})

@@ -1,7 +1,6 @@
 /*
  * Claims of the C unit tests. A failed claim is printed with its values and the test goes on; the last line
- * says how many held. A program consists of functions TEST(what_it_claims), which run in their order; one
- * that runs them several times has its own main (CHECK_OWN_MAIN).
+ * says how many held. A program consists of functions TEST(what_it_claims), which run in their order.
  */
 #ifndef CHECK_H
 #define CHECK_H
@@ -97,12 +96,10 @@ static inline void check_run(void)
     }
 }
 
-#ifndef CHECK_OWN_MAIN
 int main(void)
 {
     check_run();
     return check_summary();
 }
-#endif
 
 #endif

@@ -87,11 +87,11 @@ TEST(the_slopes_are_the_derivatives_of_the_responses)
         const double of_slip = rolls ? 1.0 : ADMITTANCE * limit / law.slip_velocity;
         for (int k = 0; k < 3; ++k) {
             struct vec3 step = {0.0, 0.0, 0.0};
-            vec3_set(&step, k, 1e-4 * limit);
+            *vec3_part(&step, k) = 1e-4 * limit;
             check_column(r.by_force, k, missed_at(&law, normal_force, slip, vec3_add(force, step), rolls),
                          missed_at(&law, normal_force, slip, vec3_sub(force, step), rolls), 1e-4 * limit,
                          of_force);
-            vec3_set(&step, k, 1e-4 * law.slip_velocity);
+            *vec3_part(&step, k) = 1e-4 * law.slip_velocity;
             check_column(r.by_slip, k, missed_at(&law, normal_force, vec3_add(slip, step), force, rolls),
                          missed_at(&law, normal_force, vec3_sub(slip, step), force, rolls),
                          1e-4 * law.slip_velocity, of_slip);
@@ -143,7 +143,7 @@ TEST(the_drive_of_a_spring_is_that_of_its_rate)
             const double units = vec3_get(drive.unit, k / 3) * vec3_get(drive.unit, k % 3);
             const double entry = (drive.along - drive.across) * units + (k / 3 == k % 3 ? drive.across : 0.0);
             struct friction_path path = {JET_TERMS, {at.normal_force}, {0.0}, {at.slip}, {at.spring}, 0.0};
-            vec3_set(&path.slip[1], k % 3, 1.0);
+            *vec3_part(&path.slip[1], k % 3) = 1.0;
             const struct vec3 change = friction_spring_rate_change(&law, regime, &path);
             CHECK(fabs(entry - vec3_get(change, k / 3)) <= 1e-12 * fmax(drive.along, drive.across));
         }

@@ -135,7 +135,7 @@ TEST(what_follows_the_load_solves_the_equation)
         for (int i = 0; i < terms; ++i) {
             load[i] = random_between(&r, -1.0, 1.0);
         }
-        oscillator_particular(&o, load, s, terms);
+        oscillator_particular(&o, 1.0, load, s, terms);
         for (int i = 0; i < terms; ++i) {
             const long double bent = (i + 1.0L) * (i + 2.0L) * s[i + 2];
             const long double damped = (i + 1.0L) * o.damping_rate * s[i + 1];
@@ -158,7 +158,7 @@ TEST(what_relaxes_to_the_load_solves_the_equation)
         for (int i = 0; i < terms; ++i) {
             load[i] = random_between(&r, -1.0, 1.0);
         }
-        relaxation_particular(rate, load, s, terms);
+        oscillator_particular(&(struct oscillator){rate, 1.0}, 0.0, load, s, terms);
         for (int i = 0; i < terms; ++i) {
             const long double slope = (i + 1.0L) * s[i + 1];
             const long double forced = (long double)rate * s[i];

@@ -51,13 +51,6 @@ static void oscillator_rates(const void *damping, double clock, const double *y,
     rates[SQUARE] = y[SPEED] * y[SPEED];
 }
 
-static void oscillator_slopes(const void *damping, int coupled, double clock, const double *y, double *slopes)
-{
-    const double all[] = {0.0, -1.0, 1.0, -*(const double *)damping};
-    (void)coupled, (void)clock, (void)y;
-    memcpy(slopes, all, sizeof all);
-}
-
 static struct radau_problem oscillator(double *damping)
 {
     static const int place = PLACE, speed = SPEED;
@@ -69,8 +62,7 @@ static struct radau_problem oscillator(double *damping)
                                   .paired = 1,
                                   .place = &place,
                                   .speed = &speed,
-                                  .rates = oscillator_rates,
-                                  .slopes = oscillator_slopes};
+                                  .rates = oscillator_rates};
 }
 
 /* Begins a step of a problem from the states y, all of the weight 1, and returns its memory. */
@@ -214,14 +206,6 @@ static void tipping_rates(const void *damping, double clock, const double *y, do
     rates[TIPPING] = (1.0 + y[PLACE]) * y[SPEED];
 }
 
-static void tipping_slopes(const void *damping, int coupled, double clock, const double *y, double *slopes)
-{
-    const double all[] = {0.0, -1.0, y[SPEED], 1.0, -*(const double *)damping, 1.0 + y[PLACE],
-                          0.0, -5.0, 0.0};
-    (void)coupled, (void)clock;
-    memcpy(slopes, all, sizeof all);
-}
-
 /* A step from x = 0, v = 1, a = 0 and its memory. */
 static void *begin_tipping(struct radau_step *p, double *damping)
 {
@@ -235,8 +219,7 @@ static void *begin_tipping(struct radau_step *p, double *damping)
                                           .paired = 1,
                                           .place = &place,
                                           .speed = &speed,
-                                          .rates = tipping_rates,
-                                          .slopes = tipping_slopes};
+                                          .rates = tipping_rates};
     return begin_at(p, &problem, start);
 }
 
@@ -265,30 +248,15 @@ static void tip(struct radau_step *p, double length)
     radau_step_finish(p);
 }
 
-/* The derivatives of a' = (1 + x) v by x and by v depend on the state: they are v and 1 + x. The next
- * step begins at the end. */
-TEST(slopes_at_the_end_serve_a_start_of_their_own_clock_and_state_alone)
+TEST(iterations_without_a_matrix_find_a_state_that_follows_another)
 {
-    static const struct {
-        double clock, moved;
-        int evaluations; /* of the rates, and of their slopes where these are not known */
-    } begins[] = {{0.1, 0.0, 1}, {0.1, 0.5, 2}, {0.1, 0.0, 1}, {0.2, 0.0, 2}, {0.1, 0.0, 1}};
     double damping = 1.0;
     struct radau_step p;
     double y[TIPPING_STATES];
     void *memory = begin_tipping(&p, &damping);
     tip(&p, 0.1);
-    radau_step_end_slopes(&p);
     radau_step_at(&p, 1.0, y);
     CHECK_CLOSE("a follows x", y[TIPPING], y[PLACE] + 0.5 * y[PLACE] * y[PLACE], 1e-14);
-    for (int k = 0; k < 5; ++k) {
-        const double at[] = {y[PLACE] + begins[k].moved, y[SPEED] - begins[k].moved, y[TIPPING]};
-        const int before = p.evaluations;
-        radau_step_begin(&p, begins[k].clock, at);
-        CHECK(p.evaluations - before == begins[k].evaluations);
-        CHECK_CLOSE("a' by v", radau_slope_of(&p, TIPPING, SPEED), 1.0 + at[PLACE], 0.0);
-        CHECK_CLOSE("a' by x", radau_slope_of(&p, TIPPING, PLACE), at[SPEED], 0.0);
-    }
     free(memory);
 }
 

@@ -171,8 +171,7 @@ static void check_ends(const struct scene_ode *ode, struct scene_state *q, bool 
     }
     CHECK(ends);
     scene_now(q, &at);
-    CHECK(by_law ? regime_by_margins(&at, 0) != (enum contact_regime)q->contact[0].regime
-                 : regime_friction_event(&at, 0) != ODE_EVENT_GAP);
+    CHECK(by_law ? regime_event(&at, 0) == ODE_EVENT_LAW : regime_event(&at, 0) > ODE_EVENT_LAW);
 }
 
 /* Any state of touch, and whether the normal law or friction asks for another regime there. */
@@ -201,9 +200,9 @@ static void check_next(struct choice choice, struct model *m)
     enum { MOST_EVENTS = 4 };
     for (int i = 0; i < MOST_EVENTS; ++i) {
         scene_now(q, &at);
-        const enum ode_event event = regime_friction_event(&at, 0);
-        if (event != ODE_EVENT_GAP) {
-            turning_take_event(q, 0, event);
+        const int event = regime_event(&at, 0);
+        if (event > ODE_EVENT_LAW) {
+            turning_take_event(q, 0, (enum ode_event)event);
         }
     }
     scene_now(q, &at);
@@ -244,8 +243,8 @@ static void check_regime(struct random *r, struct choice choice, struct model *m
     put_any_state(r, q);
     q->contact[0].friction_regime[OPPOSED_SLIP] =
         (int32_t)(before == REGIME_APART ? random_index(r, 4) : FRICTION_SLIDING);
-    q->contact[0].regime = (int32_t)regime;
-    turning_take_regime(q, 0, before);
+    q->contact[0].regime = (int32_t)before;
+    transition_set_regime(q, 0, regime);
     check_pair(r, choice, m);
 }
 
@@ -276,8 +275,8 @@ TEST(nothing_lifts_friction_where_nothing_pulls)
         q->v = &m.state.values;
         for (int k = 0; k < STATES && !(choice.damped && choice.dashpot == DASHPOT_UNCLAMPED); ++k) {
             put_any_state(&r, q);
-            q->contact[0].regime = (int32_t)REGIME_COMPRESSION;
-            turning_take_regime(q, 0, k % 2 ? REGIME_APART : REGIME_SEPARATING);
+            q->contact[0].regime = (int32_t)(k % 2 ? REGIME_APART : REGIME_SEPARATING);
+            transition_set_regime(q, 0, REGIME_COMPRESSION);
             CHECK(q->contact[0].friction_regime[OPPOSED_SLIP] != (int32_t)FRICTION_LIFTED);
         }
     }
