@@ -274,8 +274,8 @@ void advancement_at(const struct advancement_path *path, double time, struct adv
     }
 }
 
-/* Returns the sum over i of |c^(first + i)| length^i / i!, or of |e.c^(first + i)| length^i / i! with a unit
- * vector e. */
+/* Returns an upper bound of a derivative of the separation over the next `length` seconds: of |c^(first)|, or
+ * of |e.c^(first)| with a unit vector e. The bound is the sum over i of |c^(first + i)| length^i / i!. */
 static double size_within(const struct vec3 c[ADVANCEMENT_TERMS], const struct vec3 *e, int first,
                           double length)
 {

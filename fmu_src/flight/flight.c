@@ -98,8 +98,8 @@ static bool is_clearly_above(const struct parabola *p, double rounding)
            (p->value >= 0.0 && p->rate > 0.0 && p->rate * p->rate > -4.0 * p->bend * rounding);
 }
 
-/* Sets the time of the first fall through zero, INFINITY if never, by the root formula without cancellation
- * and one step of Newton's method. Returns false where rounding decides. */
+/* Sets the time at which a parabola first falls through zero, INFINITY if it never does, by the root formula
+ * without cancellation and one step of Newton's method. Returns false where rounding decides. */
 static bool first_fall(const struct parabola *p, double rounding, double *t)
 {
     const double product = 4.0 * p->bend * p->value;

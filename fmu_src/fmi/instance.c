@@ -296,7 +296,8 @@ static enum model_status check_list(struct instance *instance, variable_check *c
                             (unsigned long)given, (unsigned long)components);
 }
 
-/* Checks the same of a call that gets or sets values, and that both of its arrays were given. */
+/* Checks the references of a call that gets or sets values as check_list does, and that the importer has
+ * given both arrays. */
 static enum model_status check_values(struct instance *instance, variable_check *check, unsigned types,
                                       const struct variable_list *list, const void *values, size_t count)
 {

@@ -102,7 +102,8 @@ static int newton_matrix(double clock, N_Vector y, N_Vector rate, SUNMatrix matr
     return SUNMatScaleAddI(-gamma, matrix);
 }
 
-/* Attaches the solver of a step's equations: a fixed point for Adams, else Newton's method. */
+/* Gives CVODE the solver of the equations of each step: fixed-point iterations for Adams's formulas, Newton's
+ * method for the others. */
 static bool attach_solver(struct cvode *c)
 {
     if (c->method == SOLVER_METHOD_CVODE_ADAMS) {

@@ -489,7 +489,7 @@ static void note_contact(struct general *g, const struct scene_instant *at, int 
         rounding->place += tips ? ROUNDING_OF_STATES * arm[i] : 0.0; /* of the orientation */
         square[body[i]] += stiffness * by[i];
     }
-    if (!is_felt) { /* where neither body moves or turns no speed has an error that counts the rounding */
+    if (!is_felt) { /* where neither body moves or turns, no error of a speed contains the force's rounding */
         island->friction = fmax(island->friction, rounding_of_force(at, contact));
     }
     if (SCENE_ANY_FRICTION) {

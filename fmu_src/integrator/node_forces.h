@@ -28,7 +28,7 @@ struct general_end {
     struct general_event event; /* the event that ends the step, and the part of the step there */
 };
 
-/* A contact that transmits a force, at the start of a step. */
+/* This struct describes a contact that transmits a force, at the start of a step. */
 struct general_rounding {
     double place;    /* rounding of the gap [m] */
     double spring;   /* stiffness of a spring that moves or turns a body [N/m] */
@@ -36,7 +36,7 @@ struct general_rounding {
     double force;    /* normal force [N] */
 };
 
-/* The largest of an island at the start of a step. */
+/* This struct holds the largest values among the contacts of an island, at the start of a step. */
 struct general_island {
     double frequency; /* of the springs [rad/s] */
     double friction;  /* rounding of regularized friction, and of a force that moves no body [N] */

@@ -23,7 +23,7 @@ enum {
     TERMS = TERM_EVENT + SCENE_ANY_TURNING
 };
 
-/* The integrals over an interval of time, or their integrands at an instant. */
+/* This struct holds the integrals over an interval of time, or their integrands at an instant. */
 struct integrals {
     double sum[TERMS];
     double size[TERMS];     /* of the absolute terms of each integrand, for its rounding */
@@ -86,8 +86,8 @@ static void kinematics_at(const struct scene_state *q, double clock, struct scen
     scene_meet(NULL, at);
 }
 
-/* Computes the instant of a contact with these springs in its present regimes, whose formulas hold smoothly
- * beyond their ends. */
+/* Computes the instant of a contact whose springs are given, in the present regimes of the contact. Their
+ * formulas hold smoothly beyond the ends of the regimes. */
 CONTACT_NOINLINE static void instant_at(const struct span *s, double clock, const struct vec3 *spring,
                                         struct scene_instant *at)
 {

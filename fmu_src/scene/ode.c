@@ -303,7 +303,7 @@ static void copy_states(const struct scene_ode *ode, bool packs, struct scene_st
 {
     const struct ode_layout *layout = &ode->layout;
     const size_t impulses = (size_t)ode_impulses(ode->values);
-    const size_t energies = (size_t)(layout->size - layout->dissipated); /* they stand together in q too */
+    const size_t energies = (size_t)(layout->size - layout->dissipated); /* q holds them one after another */
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (layout->body[i] >= 0) {
             copy_numbers(packs, y + layout->body[i], &q->body[i], BODY_STATES);

@@ -45,9 +45,9 @@ static double tolerated_motion(const struct scene_instant *at, int contact, int 
     return solver_relative_tolerance(at->v) * size + solver_absolute_tolerance(at->v);
 }
 
-/* Returns an event function (scene/ode.h), which is positive within the present regimes; INFINITY where the
- * contact has no such event. It is raised by its rounding error and by the errors that the tolerance allows
- * in speeds, so that it falls below zero only beyond doubt. */
+/* Returns the value of an event function of scene/ode.h. The value is positive within the present regimes,
+ * and INFINITY where the contact has no such event. The function raises the value by its rounding error and
+ * by the errors that the tolerance allows in speeds: it falls below zero only beyond doubt. */
 static double raised_event(const struct scene_instant *at, int contact, enum ode_event event)
 {
     double offset[ODE_EVENTS_EACH];
@@ -393,10 +393,10 @@ void transition_set_regime(struct scene_state *q, int contact, enum contact_regi
 
 /* Returns the gap at a change of regime [m]. Where contact ends by the gap, the gap is at least zero.
  * Where an integrator has found a touch, the gap is zero; a foreseen touch has the gap of its prediction.
- * A gap that differs from zero or from the predicted one by more than rounding stays as it is. At the end
- * of contact rounding counts as at least 64 roundings of the distance that the bodies have covered
- * relative to each other in the phase, which has `lasted` so many seconds; the phases of a contact before
- * it count by the penetration. */
+ * A gap that differs from zero or from the predicted one by more than rounding stays as it is. Where contact
+ * ends, this rounding is at least 64 roundings of the distance that the bodies have covered relative to each
+ * other in the phase, which has `lasted` so many seconds. Earlier phases of the contact count by the
+ * penetration. */
 static double gap_at_change(const struct scene_instant *at, int contact, enum contact_regime regime,
                             double lasted)
 {

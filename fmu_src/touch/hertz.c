@@ -279,7 +279,7 @@ bool hertz_elastic_make(struct segment *p)
  * the free oscillation y from its start, so the step is only taken where y is within tolerance.
  */
 
-/* Rates of a lasting contact. */
+/* This struct holds how fast a lasting contact oscillates, decays and creeps. */
 struct slow_scales {
     double fast;  /* rate of the contact's oscillation or of its damping, the faster one [1/s] */
     double creep; /* rate at which an overdamped contact settles [1/s]; 0 if the contact oscillates */

@@ -205,8 +205,9 @@ static void put_common_velocity(const struct contact_pair *p, const struct scene
     common[1] = flight_part_that_counts(&p->shape, p->normal, common[1]);
 }
 
-/* Moves a body head-on: by the common velocity, its flight aside and its share of the separation. A
- * difference of two flights would lose the digits of bodies that rest against each other for long. */
+/* Moves a body of a head-on contact. Along n the body follows the common velocity of both bodies and takes
+ * its share of the change of the separation; aside (pair_aside) it flies. A difference of two flights would
+ * lose the digits of bodies that rest against each other for long. */
 static void move_head_on(const struct contact_pair *p, const struct pair_change *change,
                          struct scene_state *q, int body, double share, const struct vec3 common[2])
 {

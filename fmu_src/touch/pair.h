@@ -78,8 +78,9 @@ double pair_pressing_load(const struct contact_pair *p);
 /* Returns the force that would keep the bodies at their present distance, m_red |L| [N]. */
 double pair_load(const struct contact_pair *p);
 
-/* Returns the part of a vector that does not act on head-on motion: along a plane or a cylinder's axis; zero
- * elsewhere. The rounding of a difference from the part that acts would move bodies that rest for long. */
+/* Returns the part of a vector that does not act on head-on motion: the part along a plane or along the axis
+ * of a cylinder, and zero for other shapes. The difference of the vector and the part that acts would serve
+ * too, but its rounding would move bodies that rest for long. */
 struct vec3 pair_aside(const struct contact_pair *p, struct vec3 a);
 
 /* Returns the change by side r n, along the normal. */

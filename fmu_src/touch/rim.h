@@ -58,7 +58,8 @@ struct rim_start rim_start_of(struct vec3 axis, double radius, double half_heigh
 struct rim_state rim_state_of(const struct rim_start *start, const double change[4], double grown,
                               struct rim_angles by);
 
-/* Returns the cosines and sines after azimuth and tilt have changed. */
+/* Returns the cosines and sines of azimuth and tilt, after the azimuth has changed by `turned` and the tilt
+ * by `tilted` since the start [rad]. */
 struct rim_angles rim_angles_of(const struct rim_start *start, double turned, double tilted);
 
 struct rim_slopes rim_slopes_at(const struct rim_state *at, struct vec3 acceleration);

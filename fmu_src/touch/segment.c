@@ -43,7 +43,8 @@ static const double IDLE_DASHPOT = 1e-3;
 static const double REBOUND = 2.0;
 static const double CRITICAL_SWING = 2.0;
 
-/* Returns the bound of the absolute value of a quantity where one is set, else the largest of the samples. */
+/* Returns the largest absolute value of a quantity in the segment: its bound in p->largest where `make` has
+ * set one, else the largest of the samples. */
 static double largest_size(const struct segment *p, enum pair_quantity quantity)
 {
     double largest = p->largest[quantity];

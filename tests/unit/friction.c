@@ -139,6 +139,8 @@ TEST(the_drive_of_a_spring_is_that_of_its_rate)
                                           .spring = vector_of(&random, 1e-3)};
         const struct friction_spring_drive drive = friction_spring_drive_of(&law, regime, at);
         CHECK(drive.is_force == (damped && regime == FRICTION_SLIDING));
+        const struct friction_state pulled = {.normal_force = -at.normal_force}; /* no load, and no limit */
+        CHECK(friction_stick_event(&law, FRICTION_STICKING, pulled, 0.0) == 0.0);
         for (int k = 0; k < 9 && !drive.is_force; ++k) {
             const double units = vec3_get(drive.unit, k / 3) * vec3_get(drive.unit, k % 3);
             const double entry = (drive.along - drive.across) * units + (k / 3 == k % 3 ? drive.across : 0.0);
