@@ -51,11 +51,6 @@ static struct vec3 carried(const struct friction_law *law, struct friction_state
     return vec3_axpy(vec3_scale(friction_stiffness(law, at.depth), at.spring), law->damping, at.slip);
 }
 
-static bool slides(enum friction_regime regime)
-{
-    return regime == FRICTION_SLIDING || regime == FRICTION_CAPPED;
-}
-
 double friction_limit(const struct friction_law *law, enum friction_regime regime, double normal_force)
 {
     return regime == FRICTION_STICKING ? fmin(law->static_coefficient * fmax(normal_force, 0.0), law->largest)
@@ -157,16 +152,6 @@ struct vec3 opposed_laid(enum opposed part, struct vec3 spring, struct vec3 norm
     return part == OPPOSED_SPINNING ? along : vec3_sub(spring, along);
 }
 
-/* Returns the factor by which sliding friction without a dashpot turns its spring: xi' is this factor [1]
- * times the part of the slip across xi, and keeps the length |xi|. */
-static double turning_factor(const struct friction_law *law, struct friction_state at, double limit)
-{
-    const double reach = friction_stiffness(law, at.depth) * vec3_norm(at.spring);
-    const double floor = FRICTION_LEAST_LENGTH * reach;
-    const double square = limit * limit + floor * floor;
-    return square > 0.0 ? reach * limit / square : 0.0;
-}
-
 bool friction_has_spring(const struct friction_law *law, enum friction_regime regime)
 {
     return law->kind == FRICTION_ELASTIC && (regime != FRICTION_LIFTED || law->damping > 0.0);
@@ -178,7 +163,7 @@ struct vec3 friction_spring(const struct friction_law *law, enum friction_regime
     if (!friction_has_spring(law, regime)) {
         return vec3_make(0.0, 0.0, 0.0);
     }
-    if (!slides(regime) || law->damping > 0.0) {
+    if (regime == FRICTION_STICKING || law->damping > 0.0) {
         return at.spring;
     }
     const double length = friction_limit(law, regime, at.normal_force) / friction_stiffness(law, at.depth);
@@ -247,11 +232,14 @@ struct friction_spring_drive friction_spring_drive_of(const struct friction_law 
         drive.is_force = true;
         drive.decay = friction_stiffness(law, at.depth) / law->damping;
         drive.along = drive.across = -1.0 / law->damping;
-    } else {
+    } else { /* the part of the slip across xi turns the spring, and keeps its length */
         const struct direction xi = direction_of(at.spring);
         const double limit = friction_limit(law, regime, at.normal_force);
+        const double reach = friction_stiffness(law, at.depth) * xi.length;
+        const double floor = FRICTION_LEAST_LENGTH * reach;
+        const double square = limit * limit + floor * floor;
         drive.unit = xi.unit;
-        drive.across = turning_factor(law, at, limit);
+        drive.across = square > 0.0 ? reach * limit / square : 0.0;
         drive.decay =
             xi.length > 0.0 ? fmax(drive.across / xi.length * vec3_dot(at.slip, xi.unit), 0.0) : 0.0;
     }
@@ -277,16 +265,6 @@ bool friction_compares_forces(const struct friction_law *law, enum friction_regi
     return regime == FRICTION_STICKING || law->damping > 0.0;
 }
 
-/* Returns (L / k_t)', the rate of the length of a sliding spring without a dashpot [m/s]. At the touch
- * L / k_t is proportional to delta. */
-static double length_rate(const struct friction_law *law, struct friction_state at, double limit,
-                          double limit_rate)
-{
-    const double stiffening = friction_stiffening(law, at.depth);
-    const double power = follows_depth(law) && stiffening == 0.0 ? ONSET_POWER : 1.0;
-    return (limit_rate / power - limit * stiffening * at.depth_rate) / friction_stiffness(law, at.depth);
-}
-
 double friction_stick_event(const struct friction_law *law, enum friction_regime regime,
                             struct friction_state at, double normal_force_rate)
 {
@@ -304,8 +282,12 @@ double friction_stick_event(const struct friction_law *law, enum friction_regime
     if (law->damping > 0.0) {
         return f.length - limit;
     }
-    const double limit_rate = limit_slope(law, regime) * normal_force_rate;
-    return vec3_dot(at.slip, f.unit) - length_rate(law, at, limit, limit_rate);
+    /* (L / k_t)' is the rate of the length of the spring; at the touch L / k_t is proportional to delta */
+    const double stiffening = friction_stiffening(law, at.depth);
+    const double power = follows_depth(law) && stiffening == 0.0 ? ONSET_POWER : 1.0;
+    const double limit_rate = limit_slope(law, regime) * normal_force_rate / power;
+    const double by_depth = limit * stiffening * at.depth_rate;
+    return vec3_dot(at.slip, f.unit) - (limit_rate - by_depth) / friction_stiffness(law, at.depth);
 }
 
 double friction_cap_event(const struct friction_law *law, enum friction_regime regime,

@@ -301,13 +301,6 @@ double contact_force(const struct contact_law *law, enum contact_regime regime, 
                                  : contact_linear_force(at, gap, gap_rate);
 }
 
-double contact_normal_force_of(const struct contact_law *law, enum contact_regime regime, double gap,
-                               double gap_rate)
-{
-    const double force = contact_force(law, regime, gap, gap_rate);
-    return law->dashpot == DASHPOT_UNCLAMPED ? force : fmax(force, 0.0);
-}
-
 struct contact_slopes contact_force_slopes(const struct contact_law *law, enum contact_regime regime,
                                            double gap, double gap_rate)
 {

@@ -91,11 +91,6 @@ enum contact_regime contact_regime_of(const struct contact_law *law, double gap,
 /* Returns F_n [N] by the smooth formula of a regime, or zero in a regime without force. */
 double contact_force(const struct contact_law *law, enum contact_regime regime, double gap, double gap_rate);
 
-/* Returns F_n [N] for the outputs. Rounding can make the smooth formula negative, so the value is clipped at
- * zero unless the dashpot is unclamped. */
-double contact_normal_force_of(const struct contact_law *law, enum contact_regime regime, double gap,
-                               double gap_rate);
-
 /* Derivatives of a function with respect to the gap g [m] and the gap rate g' [m/s]. */
 struct contact_slopes {
     double by_gap, by_rate; /* [unit/m], [unit s/m] */

@@ -252,18 +252,18 @@ static struct vec3 skew_corner(const struct skew_frame *frame, int zone)
     return corner;
 }
 
-/* Returns a pair of skew cylinders as c meets it in its zone. */
-static struct contact_shape skew_shape_in(struct contact_shape in)
+/* Makes a pair of skew cylinders the shape that c meets in its zone. */
+static void enter_skew_zone(struct contact_shape *shape)
 {
     static const enum shape SHAPES[] = {SHAPE_PLANE, SHAPE_CYLINDER, SHAPE_SPHERE};
-    const struct skew_frame *frame = contact_skew_frame(&in.solid);
-    const struct skew_ends ends = skew_ends_of(in.solid.zone);
-    in.destination = in.solid.zone == 0 ? SHAPE_SKEW : SHAPES[(ends.at[0] != 0) + (ends.at[1] != 0)];
-    in.axis = ends.at[1] != 0 ? frame->along[0] : vec3_scale(-1.0, frame->along[1]);
-    if (in.destination == SHAPE_PLANE) { /* its outward normal is -n */
-        in.axis = vec3_scale(in.solid.zone < 0 ? 1.0 : -1.0, frame->normal);
+    const struct skew_frame *frame = contact_skew_frame(&shape->solid);
+    const int zone = shape->solid.zone;
+    const struct skew_ends ends = skew_ends_of(zone);
+    shape->destination = zone == 0 ? SHAPE_SKEW : SHAPES[(ends.at[0] != 0) + (ends.at[1] != 0)];
+    shape->axis = ends.at[1] != 0 ? frame->along[0] : vec3_scale(-1.0, frame->along[1]);
+    if (shape->destination == SHAPE_PLANE) { /* its outward normal is -n */
+        shape->axis = vec3_scale(zone < 0 ? 1.0 : -1.0, frame->normal);
     }
-    return in;
 }
 
 struct contact_geometry contact_geometry_at(const struct contact_shape *shape, struct vec3 c, struct vec3 w,
@@ -275,7 +275,8 @@ struct contact_geometry contact_geometry_at(const struct contact_shape *shape, s
     struct contact_shape found;
     const struct contact_shape *in = shape;
     if (shape->solid.zone == 0) {
-        found = contact_shape_in(shape, contact_zone_at(&shape->solid, 0, c));
+        found = *shape;
+        contact_enter_zone(&found, contact_zone_at(&shape->solid, 0, c));
         in = &found;
     }
     const int zone = in->solid.zone;
@@ -285,12 +286,6 @@ struct contact_geometry contact_geometry_at(const struct contact_shape *shape, s
     at.zone = zone;
     at.gap_terms += vec3_max_abs(corner);
     return at;
-}
-
-struct vec3 contact_direction_of(const struct contact_shape *shape, const struct contact_geometry *at)
-{
-    const bool flipped = (contact_is_cylinder(shape) || contact_is_torus(shape)) && shape->side < 0;
-    return flipped ? vec3_scale(-1.0, at->normal) : at->normal;
 }
 
 struct vec3 contact_turning_part(const struct contact_shape *shape, const struct contact_geometry *at,
@@ -335,20 +330,22 @@ struct solid_place contact_place_at(const struct contact_solid *solid, struct ve
     return (struct solid_place){rho - solid->radius, fabs(axial) - solid->half_height};
 }
 
-struct contact_shape contact_shape_in(const struct contact_shape *shape, int zone)
+void contact_enter_zone(struct contact_shape *shape, int zone)
 {
-    struct contact_shape in = *shape;
     const int end = zone < 0 ? -1 : 1;
-    in.solid.zone = zone;
-    if (contact_is_skew(shape)) {
-        return skew_shape_in(in);
+    if (!(CONTACT_ANY_CAPS || CONTACT_ANY_SKEW) || zone == shape->solid.zone) {
+        return;
     }
-    in.axis = vec3_scale(end, shape->solid.axis);
+    shape->solid.zone = zone;
+    if (contact_is_skew(shape)) {
+        enter_skew_zone(shape);
+        return;
+    }
+    shape->axis = vec3_scale(end, shape->solid.axis);
     const bool is_cap = end * zone == ZONE_CAP;
     const bool is_rim = end * zone == ZONE_RIM;
-    in.destination = is_cap ? SHAPE_PLANE : is_rim ? SHAPE_RIM : SHAPE_CYLINDER;
-    in.other_radius = is_cap ? shape->solid.half_height : is_rim ? 0.0 : shape->solid.radius;
-    return in;
+    shape->destination = is_cap ? SHAPE_PLANE : is_rim ? SHAPE_RIM : SHAPE_CYLINDER;
+    shape->other_radius = is_cap ? shape->solid.half_height : is_rim ? 0.0 : shape->solid.radius;
 }
 
 double contact_zone_margin(const struct contact_solid *solid, int zone, struct vec3 c)
@@ -412,31 +409,20 @@ bool contact_zone_jumps(const struct contact_solid *solid, int zone, int next, s
 
 /* The part of -e_d across e_s is projected twice, so that the normal is perpendicular to both axes to
  * rounding where they are nearly parallel too. */
-void contact_make_skew(struct contact_shape *shape, struct vec3 source_axis, double source_half,
-                       double destination_half)
+struct skew_frame contact_skew_axes(struct vec3 source_axis, struct vec3 destination_axis)
 {
-#if CONTACT_ANY_SKEW
     const struct vec3 e = source_axis;
-    const struct vec3 other = vec3_scale(-1.0, shape->axis);
+    const struct vec3 other = vec3_scale(-1.0, destination_axis);
     const double cosine = vec3_dot(other, e);
     const struct vec3 once = vec3_axpy(other, -cosine, e);
     const struct vec3 twice = vec3_axpy(once, -vec3_dot(once, e), e);
     const double sine = vec3_norm(twice);
     const struct vec3 across = vec3_scale(1.0 / sine, twice);
-    shape->destination = SHAPE_SKEW;
-    shape->solid.skew = (struct skew_frame){{e, other},
-                                            {source_half, destination_half},
-                                            {vec3_axpy(vec3_scale(sine, e), -cosine, across), across},
-                                            {sine * source_half, sine * destination_half},
-                                            vec3_cross(across, e),
-                                            cosine,
-                                            sine};
-#else
-    (void)shape;
-    (void)source_axis;
-    (void)source_half;
-    (void)destination_half;
-#endif
+    return (struct skew_frame){.along = {e, other},
+                               .across = {vec3_axpy(vec3_scale(sine, e), -cosine, across), across},
+                               .normal = vec3_cross(across, e),
+                               .cosine = cosine,
+                               .sine = sine};
 }
 
 /* Returns the change of the foot by a change of c within a zone. */

@@ -135,9 +135,6 @@ double contact_reach(const struct contact_shape *shape);
 struct contact_geometry contact_geometry_at(const struct contact_shape *shape, struct vec3 c, struct vec3 w,
                                             struct vec3 fallback);
 
-/* Returns the output e_c: towards the destination's centre (sphere) or the contact point (other shapes). */
-struct vec3 contact_direction_of(const struct contact_shape *shape, const struct contact_geometry *at);
-
 /*
  * Returns T w, which is d times the rate of n while the source moves with w. T removes the components along n
  * and along a cylinder's axis, and is zero for a plane. For a circle of radius R n turns by 1/d across the
@@ -183,8 +180,9 @@ struct solid_place {
 
 struct solid_place contact_place_at(const struct contact_solid *solid, struct vec3 c);
 
-/* Returns the shape in a zone, from the shape of the solid or of any of its zones; zone 0 gives the solid. */
-struct contact_shape contact_shape_in(const struct contact_shape *shape, int zone);
+/* Makes the shape of a solid, or of any of its zones, that of another zone; zone 0 makes it the solid. Shapes
+ * without zones are in zone 0. */
+void contact_enter_zone(struct contact_shape *shape, int zone);
 
 /* Returns the distance of the centre from a zone's edges [m]: negative where another zone is nearer. */
 double contact_zone_margin(const struct contact_solid *solid, int zone, struct vec3 c);
@@ -226,9 +224,8 @@ bool contact_zone_jumps(const struct contact_solid *solid, int zone, int next, s
  */
 enum { SKEW_ZONE = 8, SKEW_FACE = SKEW_ZONE + 4, SKEW_LAST = SKEW_ZONE + 8 };
 
-/* Makes the shape, whose axis is e_d, a pair of skew cylinders, by e_s and half of both lengths [m]. */
-void contact_make_skew(struct contact_shape *shape, struct vec3 source_axis, double source_half,
-                       double destination_half);
+/* Returns the parallelogram of the unit vectors e_s and e_d, without the lengths of its sides. */
+struct skew_frame contact_skew_axes(struct vec3 source_axis, struct vec3 destination_axis);
 
 /* Returns the point of the source's axis that is nearest to the destination's, from the source's centre [m],
  * where c is in a zone, and its change with a change of c within the zone of the shape. Both are zero for

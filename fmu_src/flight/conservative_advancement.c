@@ -42,59 +42,39 @@ struct axis_motion axis_motion_following(const struct vec3 direction[AXIS_TERMS]
     return motion;
 }
 
-static struct rotor_axis following_axis_at(const struct axis_motion *motion, double time)
+/* Returns e_d and its rate at a time no earlier than `from`. */
+static struct rotor_axis axis_motion_at(const struct axis_motion *motion, double time)
 {
     struct rotor_axis now = {motion->axis, vec3_make(0.0, 0.0, 0.0)};
-    const struct vec3 at = path_at(motion->coefficient, AXIS_TERMS, time);
-    const struct vec3 rate = path_slope(motion->coefficient, time);
-    const double length = vec3_norm(at);
-    if (length > 0.0) {
-        now.axis = vec3_scale(1.0 / length, at);
-        now.rate = vec3_scale(1.0 / length, vec3_axpy(rate, -vec3_dot(rate, now.axis), now.axis));
+    if (CONTACT_ANY_ROTATION && motion->kind == AXIS_PRECESSES) {
+        now = rotor_axis_at(&motion->rotor, time - motion->from);
+    } else if (CONTACT_ANY_ROTATION && motion->kind == AXIS_TUMBLES) {
+        const struct body_turn then =
+            rotor_of_three_after(&motion->body, motion->inertia, motion->coefficient, time - motion->from);
+        now.axis = quaternion_rotate(then.orientation, motion->axis);
+        now.rate = vec3_cross(then.angular_velocity, now.axis);
+    } else if (CONTACT_ANY_ROTATION && motion->kind == AXIS_FOLLOWS) {
+        const struct vec3 at = path_at(motion->coefficient, AXIS_TERMS, time);
+        const struct vec3 rate = path_slope(motion->coefficient, time);
+        const double length = vec3_norm(at);
+        if (length > 0.0) {
+            now.axis = vec3_scale(1.0 / length, at);
+            now.rate = vec3_scale(1.0 / length, vec3_axpy(rate, -vec3_dot(rate, now.axis), now.axis));
+        }
     }
     return now;
 }
 
-static struct rotor_axis tumbling_axis_at(const struct axis_motion *motion, double time)
-{
-    const struct body_turn then =
-        rotor_of_three_after(&motion->body, motion->inertia, motion->coefficient, time - motion->from);
-    const struct vec3 axis = quaternion_rotate(then.orientation, motion->axis);
-    return (struct rotor_axis){axis, vec3_cross(then.angular_velocity, axis)};
-}
-
-/* Returns e_d and its rate at a time no earlier than `from`. */
-static struct rotor_axis axis_motion_at(const struct axis_motion *motion, double time)
-{
-    switch (CONTACT_ANY_ROTATION ? motion->kind : AXIS_FIXED) {
-    case AXIS_PRECESSES:
-        return rotor_axis_at(&motion->rotor, time - motion->from);
-    case AXIS_FOLLOWS:
-        return following_axis_at(motion, time);
-    case AXIS_TUMBLES:
-        return tumbling_axis_at(motion, time);
-    case AXIS_FIXED:
-    default:
-        return (struct rotor_axis){motion->axis, vec3_make(0.0, 0.0, 0.0)};
-    }
-}
-
-/* Moves the origin `from` to `time`. */
-static void axis_motion_move_on(struct axis_motion *motion, double time)
-{
-    if (CONTACT_ANY_ROTATION && motion->kind == AXIS_TUMBLES && time > motion->from) {
-        motion->body =
-            rotor_of_three_after(&motion->body, motion->inertia, motion->coefficient, time - motion->from);
-        path_shift(motion->coefficient, ROTOR_TORQUES, time - motion->from);
-        motion->from = time;
-    }
-}
-
 void advancement_move_on(struct advancement_path *path, double time)
 {
-    axis_motion_move_on(&path->axis, time);
-    for (int end = 0; CONTACT_ANY_COMPOUND && end < 2; ++end) {
-        axis_motion_move_on(&path->lever[end], time);
+    for (int i = 0; CONTACT_ANY_ROTATION && i < (CONTACT_ANY_COMPOUND ? 3 : 1); ++i) {
+        struct axis_motion *motion = i == 0 ? &path->axis : &path->lever[i - 1];
+        const double after = time - motion->from;
+        if (motion->kind == AXIS_TUMBLES && after > 0.0) {
+            motion->body = rotor_of_three_after(&motion->body, motion->inertia, motion->coefficient, after);
+            path_shift(motion->coefficient, ROTOR_TORQUES, after);
+            motion->from = time;
+        }
     }
 }
 
@@ -188,8 +168,8 @@ static void separation_at(const struct advancement_path *path, double time, stru
 {
     double factorial = 1.0;
     memcpy(at, path->c, sizeof path->c);
-    path_shift(at, ADVANCEMENT_TERMS, time);
-    for (int k = 2; k < ADVANCEMENT_TERMS; ++k) {
+    path_shift(at, path->degree + 1, time);
+    for (int k = 2; k <= path->degree; ++k) {
         factorial *= k;
         at[k] = vec3_scale(factorial, at[k]);
     }
@@ -209,7 +189,8 @@ static struct contact_shape shape_with(const struct advancement_path *path, stru
     if (contact_is_capped(&shape)) {
         shape.solid.axis = axis;
     }
-    return contact_is_zoned(&shape) ? contact_shape_in(&shape, 0) : shape;
+    contact_enter_zone(&shape, 0);
+    return shape;
 }
 
 /* Whether d grows through the reach at the change: a touch inside a shell, or a parting outside. */
@@ -245,16 +226,16 @@ static struct falling gap_function(const struct advancement_path *path, const st
 void advancement_at(const struct advancement_path *path, double time, struct advancement_instant *at)
 {
     separation_at(path, time, at->c);
-    const struct rotor_axis axis = axis_motion_at(&path->axis, time);
-    const struct contact_shape shape = shape_with(path, axis.axis);
+    at->axis = axis_motion_at(&path->axis, time);
+    const struct contact_shape shape = shape_with(path, at->axis.axis);
     /* the gap changes by the rate of c in the frame of the axis, whose angular velocity is e x e' */
-    const struct vec3 omega = vec3_cross(axis.axis, axis.rate);
+    const struct vec3 omega = vec3_cross(at->axis.axis, at->axis.rate);
     const struct vec3 rate = vec3_sub(at->c[1], vec3_cross(omega, at->c[0]));
     at->geometry = contact_geometry_at(&shape, at->c[0], rate, path->shape.axis);
-    at->axial_rate = vec3_dot(rate, axis.axis);
+    at->axial_rate = vec3_dot(rate, at->axis.axis);
     if (contact_is_torus(&shape)) {
         at->axial_rate =
-            shape.solid.race * vec3_dot(rate, vec3_cross(at->geometry.circumferential, axis.axis));
+            shape.solid.race * vec3_dot(rate, vec3_cross(at->geometry.circumferential, at->axis.axis));
     }
     at->of[ADVANCEMENT_GAP] = gap_function(path, &shape, &at->geometry);
     const double distance = vec3_norm(at->c[0]);
@@ -267,7 +248,8 @@ void advancement_at(const struct advancement_path *path, double time, struct adv
         const double sign = path->change == ADVANCEMENT_TOUCH ? 1.0 : -1.0;
         at->noise[i] = fmax(path->rounding, ADVANCEMENT_ROUNDINGS * (distance + shape.half_length));
         double beyond = end * at->geometry.axial - shape.half_length;
-        if (!(beyond > 0.0) && in_plane) { /* a source in the end plane is within, by more than rounding */
+        if (!(beyond > at->noise[i]) &&
+            in_plane) { /* a source in the end plane counts as within by more than rounding */
             beyond = fmin(beyond, -2.0 * at->noise[i]);
         }
         at->of[i] = (struct falling){sign * beyond, sign * end * at->axial_rate, 0.0, 0.0};
@@ -304,6 +286,18 @@ static void bound_ring(const struct contact_shape *shape, bool grows, double spe
     }
 }
 
+/* Sharpens the bounds of functions whose gradients turn with the axis, by the angle `turned` over `length`
+ * seconds at most: c bends them along their present gradients, and by `whole` in other directions. */
+static void bound_along(const struct advancement_path *path, bool grows, double length, double turned,
+                        double whole, double of_turns, struct advancement_instant *at)
+{
+    for (int i = grows ? ADVANCEMENT_UPPER_END : 0; i < functions_of(path); ++i) {
+        const struct vec3 gradient = i == ADVANCEMENT_GAP ? at->geometry.normal : at->axis.axis;
+        const double along = size_within(at->c, &gradient, 2, length) + turned * whole;
+        at->of[i].bend = fmin(along, whole) + of_turns;
+    }
+}
+
 /* Sets the bounds of the second derivatives over `length` seconds from `time` on; INFINITY: no bound. */
 static void bound_bends(const struct advancement_path *path, double time, double length,
                         struct advancement_instant *at)
@@ -327,18 +321,21 @@ static void bound_bends(const struct advancement_path *path, double time, double
     for (int i = 0; i < ADVANCEMENT_TERMS; ++i) {
         c[i] = is_open ? contact_across(&shape, at->c[i]) : at->c[i];
     }
-    double bend = size_within(c, NULL, 2, length) + of_levers;
+    const double whole = size_within(c, NULL, 2, length);
+    double of_turns = of_levers;
     double speed = size_within(c, NULL, 1, length) + of_levers * length;
     if (axis.speed > 0.0) {
         const double separation = size_within(at->c, NULL, 0, length) + 0.5 * of_levers * length * length;
-        bend += 2.0 * axis.speed * speed + (axis.turn + axis.speed * axis.speed) * separation;
+        of_turns += 2.0 * axis.speed * speed + (axis.turn + axis.speed * axis.speed) * separation;
         speed += axis.speed * separation;
     }
     for (int i = 0; i < (stands ? 1 : functions_of(path)); ++i) {
-        at->of[i].bend = bend;
+        at->of[i].bend = whole + of_turns;
     }
     if (contact_is_torus(&shape)) {
         bound_ring(&shape, grows, speed, length, at);
+    } else if (!stands && axis.speed * length < 1.0) {
+        bound_along(path, grows, length, axis.speed * length, whole, of_turns, at);
     }
     if (grows) {
         gap->bend += speed * speed / smooth_reach(&shape);
@@ -377,28 +374,17 @@ static double stays_above(const struct falling *f, double noise)
     return fmax(2.0 * height / (root - f->slope), slowly);
 }
 
-/* Returns the function that decides: the highest function for a touch, the lowest for a parting. */
-static int deciding(const struct advancement_path *path, const struct advancement_instant *at)
+/* Returns the function that decides: the highest function for a touch, the lowest for a parting. Each
+ * function counts with its noise times `noises`. */
+static int deciding(const struct advancement_path *path, const struct advancement_instant *at, double noises)
 {
     int found = 0;
     for (int i = 1; i < functions_of(path); ++i) {
-        const bool higher = at->of[i].value > at->of[found].value;
+        const bool higher =
+            at->of[i].value + noises * at->noise[i] > at->of[found].value + noises * at->noise[found];
         found = higher == (path->change == ADVANCEMENT_TOUCH) ? i : found;
     }
     return found;
-}
-
-/* Whether the change has taken place by more than rounding. */
-static bool surely_changed(const struct advancement_path *path, const struct advancement_instant *at)
-{
-    const bool touch = path->change == ADVANCEMENT_TOUCH;
-    for (int i = 0; i < functions_of(path); ++i) {
-        const bool beyond = at->of[i].value < -at->noise[i];
-        if (beyond != touch) {
-            return beyond;
-        }
-    }
-    return touch;
 }
 
 /* The deciding function and its slope as a root_function of time. */
@@ -407,7 +393,7 @@ static void decision(const void *data, double time, double *value, double *slope
     const struct advancement_path *path = data;
     struct advancement_instant at;
     advancement_at(path, time, &at);
-    const struct falling *f = &at.of[deciding(path, &at)];
+    const struct falling *f = &at.of[deciding(path, &at, 0.0)];
     *value = f->value;
     *slope = f->slope;
 }
@@ -473,7 +459,7 @@ static struct advancement_result located(const struct advancement_path *path, st
     const double root = before.s < 0.0 ? 0.0 : root_between(decision, path, before, after);
     struct advancement_instant at;
     advancement_at(path, root, &at);
-    const bool by_gap = deciding(path, &at) == ADVANCEMENT_GAP;
+    const bool by_gap = deciding(path, &at, 0.0) == ADVANCEMENT_GAP;
     return (struct advancement_result){root, by_gap ? 0.0 : at.geometry.gap, root, evaluations};
 }
 
@@ -487,10 +473,11 @@ struct advancement_result advancement_first(const struct advancement_path *path,
     for (long evaluations = 1; evaluations <= budget; ++evaluations) {
         struct advancement_instant at;
         advancement_at(&moving, time, &at);
-        const struct falling *decides = &at.of[deciding(&moving, &at)];
+        const struct falling *decides = &at.of[deciding(&moving, &at, 0.0)];
         const struct root_bracket_end now = {time, decides->value, decides->slope};
         double step = 0.0;
-        if (surely_changed(&moving, &at)) {
+        const int surely = deciding(&moving, &at, 1.0);
+        if (at.of[surely].value < -at.noise[surely]) { /* the change has taken place by more than rounding */
             /* within rounding of the opposite change the functions rise above zero; `step` is how long */
             step = before.s < 0.0 && now.slope > 0.0 ? -2.0 * now.value / now.slope : 0.0;
             if (!(step > 0.0)) {

@@ -59,6 +59,7 @@ struct advancement_path {
     enum advancement_change change;
     struct contact_shape shape; /* holds the axis at the start; `axis` below gives the axis at any time */
     struct vec3 c[ADVANCEMENT_TERMS]; /* separation by powers of the time since now [m, m/s, ...] */
+    int degree;                       /* of c; later coefficients are zero */
     /* the rate of the separation that the force law uses less c' [m/s, ...]; the search does not read it */
     struct vec3 mismatch[ADVANCEMENT_TERMS - 1];
     struct axis_motion axis;
@@ -89,6 +90,7 @@ enum { ADVANCEMENT_GAP, ADVANCEMENT_UPPER_END, ADVANCEMENT_LOWER_END, ADVANCEMEN
 
 struct advancement_instant {
     struct vec3 c[ADVANCEMENT_TERMS]; /* separation and its time derivatives [m, m/s, ...] */
+    struct rotor_axis axis;           /* e_d and its rate */
     struct contact_geometry geometry;
     double axial_rate; /* rate of geometry.axial [m/s] */
     struct falling of[ADVANCEMENT_FUNCTIONS];

@@ -2,6 +2,7 @@
 
 #include "flight/flight.h"
 #include "scene/evaluate.h"
+#include "scene/transition.h"
 
 static struct rotor rotor_of(const struct scene_state *q, int body)
 {
@@ -91,13 +92,6 @@ struct parabola {
     double value, rate, bend;
 };
 
-/* Whether a parabola is above zero beyond rounding, or rises by more than rounding before it returns. */
-static bool is_clearly_above(const struct parabola *p, double rounding)
-{
-    return p->value > rounding ||
-           (p->value >= 0.0 && p->rate > 0.0 && p->rate * p->rate > -4.0 * p->bend * rounding);
-}
-
 /* Sets the time at which a parabola first falls through zero, INFINITY if it never does, by the root formula
  * without cancellation and one step of Newton's method. Returns false where rounding decides. */
 static bool first_fall(const struct parabola *p, double rounding, double *t)
@@ -105,8 +99,10 @@ static bool first_fall(const struct parabola *p, double rounding, double *t)
     const double product = 4.0 * p->bend * p->value;
     const double discriminant = p->rate * p->rate - product;
     const double size = p->rate * p->rate + fabs(product);
-    if (!is_clearly_above(p, rounding) || !(fabs(discriminant) > LEAST_DISCRIMINANT * size) ||
-        !isfinite(size)) {
+    /* above zero beyond rounding, or rising by more than rounding before it returns */
+    const bool is_clear = p->value > rounding ||
+                          (p->value >= 0.0 && p->rate > 0.0 && p->rate * p->rate > -4.0 * p->bend * rounding);
+    if (!is_clear || !(fabs(discriminant) > LEAST_DISCRIMINANT * size) || !isfinite(size)) {
         return false;
     }
     const double root = sqrt(fmax(discriminant, 0.0));
@@ -115,13 +111,6 @@ static bool first_fall(const struct parabola *p, double rounding, double *t)
              ? *t - (p->value + *t * (p->rate + *t * p->bend)) / (p->rate + 2.0 * *t * p->bend)
              : (double)INFINITY;
     return true;
-}
-
-static double largest_until(const struct parabola *p, double t)
-{
-    const double largest = fmax(p->value, p->value + t * (p->rate + t * p->bend));
-    const double top = -0.5 * p->rate / p->bend;
-    return p->bend < 0.0 && top > 0.0 && top < t ? p->value + 0.5 * top * p->rate : largest;
 }
 
 bool flight_head_on_touch(const struct contact_shape *shape, const struct separation_path *separation,
@@ -134,11 +123,16 @@ bool flight_head_on_touch(const struct contact_shape *shape, const struct separa
     if (now->degenerate || !first_fall(&gap, unclear, touch)) {
         return false;
     }
-    if (!(*touch <= horizon)) {
-        *touch = (double)INFINITY;
+    const double end = fmin(*touch, horizon);
+    *touch = *touch <= horizon ? *touch : (double)INFINITY;
+    if (shape->side > 0) {
+        return true;
     }
-    return shape->side > 0 ||
-           largest_until(&gap, fmin(*touch, horizon)) < (1.0 - CLEAR_OF_CENTRE) * contact_reach(shape);
+    const double top = -0.5 * gap.rate / gap.bend;
+    const double largest = gap.bend < 0.0 && top > 0.0 && top < end
+                               ? gap.value + 0.5 * top * gap.rate
+                               : fmax(gap.value, gap.value + end * (gap.rate + end * gap.bend));
+    return largest < (1.0 - CLEAR_OF_CENTRE) * contact_reach(shape);
 }
 
 bool flight_is_free(const struct scene_state *q)
@@ -258,14 +252,6 @@ void flight_advance(struct scene_state *q, double clock)
     q->dissipated += stored - flight_stored_energy(q, true);
 }
 
-/* Whether a contact is apart, has had no force in the communication step, and keeps clear of its centre. */
-static bool contact_is_deferrable(const struct contact_state *state)
-{
-    return state->regime == REGIME_APART && !state->schedule.passes_centre &&
-           state->peaks.penetration == 0.0 &&
-           vec3_is_zero(vec3_sub(state->physics.impulse.force, state->record.impulse_mark.force));
-}
-
 bool flight_stays_finite(const struct scene_state *q, double clock)
 {
     for (int i = 0; i < SCENE_BODIES; ++i) {
@@ -284,8 +270,9 @@ double flight_deferrable_until(const struct scene_state *q)
 {
     double clock = q->horizon_clock;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        clock = fmin(clock, q->contact[j].schedule.change_clock);
-        if (!contact_is_deferrable(&q->contact[j])) {
+        const struct contact_state *state = &q->contact[j];
+        clock = fmin(clock, state->schedule.change_clock);
+        if (state->regime != REGIME_APART || state->schedule.passes_centre) {
             return 0.0;
         }
     }
@@ -298,6 +285,9 @@ bool flight_defer(struct scene_state *q, double end_time)
     const double clock = q->clock + remaining;
     if (!(remaining > 0.0 && clock < q->deferrable_clock)) {
         return false;
+    }
+    if (!q->deferred) {
+        transition_mark_step(q); /* ends the means and peaks of the step before */
     }
     q->deferred_from = q->clock;
     q->clock = clock;
@@ -321,20 +311,16 @@ void flight_catch_up(struct scene_state *q)
     q->deferred = 0;
 }
 
-/* Returns a with its component along the axis replaced by that of `exact`. */
-static struct vec3 with_axial_of(struct vec3 a, struct vec3 exact, struct vec3 axis)
-{
-    return vec3_axpy(a, vec3_dot(vec3_sub(exact, a), axis), axis);
-}
-
 /* Restores the axial motion of a body that only the cylinder of this contact loads. */
 static void restore_axial(struct scene_state *q, int contact, int body)
 {
     if (body_is_free(q->v, body) && !body_is_loaded(q, body, contact)) {
         const struct vec3 axis = q->contact[contact].parameters.axis;
         const struct body_state exact = flight_body_at(q, body, q->clock);
-        q->body[body].moved = with_axial_of(q->body[body].moved, exact.moved, axis);
-        q->body[body].velocity = with_axial_of(q->body[body].velocity, exact.velocity, axis);
+        struct body_state *now = &q->body[body];
+        now->moved = vec3_axpy(now->moved, vec3_dot(vec3_sub(exact.moved, now->moved), axis), axis);
+        now->velocity =
+            vec3_axpy(now->velocity, vec3_dot(vec3_sub(exact.velocity, now->velocity), axis), axis);
     }
 }
 

@@ -101,9 +101,10 @@ static inline struct body_state flight_unforced_at(const struct scene_state *q, 
 /*
  * Deferred flight: without external forces the body states are closed forms of the clock, so they are
  * computed only when they are read. flight_deferrable_until returns the clock until which deferring is
- * allowed (0: not at all): no contact changes, no direction becomes undefined, all numbers stay finite, and
- * the peaks and the mean force of the communication step are zero. flight_defer advances the clock alone, or
- * returns false and does nothing. flight_catch_up computes the body states at the present clock.
+ * allowed (0: not at all): no contact has a force or changes, no direction becomes undefined, and all numbers
+ * stay finite. flight_defer advances the clock alone, or returns false and does nothing; in flight the peaks
+ * and the mean force of the communication step are then zero. flight_catch_up computes the body states at the
+ * present clock.
  */
 double flight_deferrable_until(const struct scene_state *q);
 bool flight_defer(struct scene_state *q, double end_time);

@@ -6,42 +6,30 @@
 #include "flight/relative_path.h"
 #include "math/series.h"
 
-static void add_free(const struct scene_instant *at, double clock, int body, double sign,
-                     struct separation_path *out)
-{
-    const struct free_flight f = free_flight_of(at->q, body, clock, at->velocity[body]);
-    out->degree = f.terms > out->degree ? f.terms : out->degree;
-    for (int i = 0; i < f.terms; ++i) {
-        out->w[i] = vec3_axpy(out->w[i], sign, f.velocity[i]);
-        out->c[i + 1] = vec3_axpy(out->c[i + 1], sign * FLIGHT_MEAN[i], f.velocity[i]);
-    }
-}
-
-static void add_prescribed(const struct scene_state *q, double clock, int body, double sign,
-                           struct separation_path *out)
-{
-    struct body_path path = q->path[body];
-    body_path_shift(q->v, body, &path, clock);
-    out->degree = out->degree > 3 ? out->degree : 3;
-    for (int i = 1; i < 4; ++i) {
-        out->c[i] = vec3_axpy(out->c[i], sign, path.displacement[i]);
-    }
-    for (int i = 0; i < 3; ++i) {
-        out->w[i] = vec3_axpy(out->w[i], sign, path.velocity[i]);
-    }
-}
-
 struct separation_path separation_path_of(const struct scene_instant *at, double clock, int contact)
 {
     const int ends[2] = {contact_destination(contact), contact_source(contact)};
     struct separation_path path = {.c = {at->separation[contact]}, .degree = 1};
-    for (int i = 0; i < 2; ++i) {
-        const double sign = i == 0 ? 1.0 : -1.0;
-        if (SCENE_ANY_FREE && body_is_free(at->v, ends[i])) {
-            add_free(at, clock, ends[i], sign, &path);
-        } else if (body_is_prescribed(at->v, ends[i])) {
-            add_prescribed(at->q, clock, ends[i], sign, &path);
+    for (int end = 0; end < 2; ++end) {
+        const double sign = end == 0 ? 1.0 : -1.0;
+        int terms = 0;
+        if (SCENE_ANY_FREE && body_is_free(at->v, ends[end])) {
+            const struct free_flight f = free_flight_of(at->q, ends[end], clock, at->velocity[ends[end]]);
+            terms = f.terms;
+            for (int i = 0; i < terms; ++i) {
+                path.w[i] = vec3_axpy(path.w[i], sign, f.velocity[i]);
+                path.c[i + 1] = vec3_axpy(path.c[i + 1], sign * FLIGHT_MEAN[i], f.velocity[i]);
+            }
+        } else if (body_is_prescribed(at->v, ends[end])) {
+            struct body_path given = at->q->path[ends[end]];
+            body_path_shift(at->v, ends[end], &given, clock);
+            terms = 3;
+            for (int i = 0; i < terms; ++i) {
+                path.w[i] = vec3_axpy(path.w[i], sign, given.velocity[i]);
+                path.c[i + 1] = vec3_axpy(path.c[i + 1], sign, given.displacement[i + 1]);
+            }
         }
+        path.degree = terms > path.degree ? terms : path.degree;
     }
     return path;
 }
@@ -82,35 +70,28 @@ static struct axis_motion motion_with(const struct scene_instant *at, double clo
                    : axis_motion_prescribed(direction, path.angular_velocity);
 }
 
-/* Sets the lever arms of the compound bodies of a contact, and takes them off c, which then leads from centre
- * of mass to centre of mass. */
-static void put_levers(const struct scene_instant *at, double clock, int contact,
-                       struct advancement_path *path)
-{
-    for (int end = 0; SCENE_ANY_COMPOUND && end < 2; ++end) {
-        const struct vec3 lever = scene_lever(at, contact, end);
-        const double length = vec3_norm(lever);
-        if (length > 0.0) {
-            const int body = end == 0 ? contact_source(contact) : contact_destination(contact);
-            path->lever_length[end] = length;
-            path->lever[end] = motion_with(at, clock, body, vec3_scale(1.0 / length, lever));
-            path->c[0] = vec3_axpy(path->c[0], end == 0 ? 1.0 : -1.0, lever); /* to the centres of mass */
-        }
-    }
-}
-
 struct advancement_path advancement_path_of(const struct scene_instant *at, double clock, int contact)
 {
     const struct separation_path separation = separation_path_of(at, clock, contact);
     const bool apart = at->q->contact[contact].regime == (int32_t)REGIME_APART;
     struct advancement_path path = {.change = apart ? ADVANCEMENT_TOUCH : ADVANCEMENT_PARTING,
                                     .shape = scene_contact_shape_at(at, contact),
+                                    .degree = separation.degree,
                                     .rounding = rounding_of_gap(at, contact)};
     memcpy(path.c, separation.c, sizeof path.c);
     for (int i = 0; SCENE_ANY_PRESCRIBED && i < SEPARATION_DEGREE; ++i) {
         path.mismatch[i] = vec3_axpy(separation.w[i], -(i + 1), separation.c[i + 1]);
     }
-    put_levers(at, clock, contact, &path);
+    for (int end = 0; SCENE_ANY_COMPOUND && end < 2; ++end) {
+        const struct vec3 lever = scene_lever(at, contact, end);
+        const double length = vec3_norm(lever);
+        if (length > 0.0) { /* without the lever arms c leads from centre of mass to centre of mass */
+            const int body = end == 0 ? contact_source(contact) : contact_destination(contact);
+            path.lever_length[end] = length;
+            path.lever[end] = motion_with(at, clock, body, vec3_scale(1.0 / length, lever));
+            path.c[0] = vec3_axpy(path.c[0], end == 0 ? 1.0 : -1.0, lever);
+        }
+    }
     if (SCENE_ANY_AXIS) {
         path.axis = contact_tips(at->v, contact)
                         ? motion_with(at, clock, contact_destination(contact), path.shape.axis)

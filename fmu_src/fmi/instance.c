@@ -23,7 +23,7 @@ bool step_plainly_in_order(const struct instance *instance, double point, double
 #define MESSAGE_SIZE 1024
 #define NAME_SHOWN 200
 
-/* The names of enum log_category by the status of their messages, and of all categories. */
+/* The names of the categories by the status of their messages, and of all categories. */
 static const char *const category_names[] = {
     [MODEL_OK] = "logEvents",
     [MODEL_WARNING] = "logStatusWarning",
@@ -32,9 +32,6 @@ static const char *const category_names[] = {
     [MODEL_FATAL] = "logStatusFatal",
     [MODEL_FATAL + 1] = "logAll",
 };
-
-static const char ALL_CATEGORIES[] =
-    "logEvents, logStatusWarning, logStatusDiscard, logStatusError, logStatusFatal, logAll";
 
 /* Returns the bits of a named category, or 0 where there is no such category. */
 static unsigned category_bits(const char *name)
@@ -202,7 +199,7 @@ static struct variable_list list_of(const struct instance *instance, const uint3
     return (struct variable_list){references, count, has_vectors(instance)};
 }
 
-enum { ANY_TYPE = TYPES_REAL | TYPES_INTEGER | TYPES_BOOLEAN | TYPES_ENUMERATION };
+enum { ANY_TYPE = (2 << VARIABLE_ENUMERATION) - 1 }; /* VARIABLE_ENUMERATION is the last type */
 
 /* Returns the variable of a reference if it has one of the types, for a vector its first component; else
  * NULL after a message. */
@@ -366,7 +363,7 @@ CONTACT_NOINLINE enum model_status instance_get_values(struct instance *instance
                                                        void *values, size_t count)
 {
     const struct variable_list list = list_of(instance, references, reference_count);
-    const bool is_quick = types == TYPES_REAL && instance->experiment.phase == PHASE_STEP;
+    const bool is_quick = types == 1u << VARIABLE_REAL && instance->experiment.phase == PHASE_STEP;
     if (is_quick && references != NULL && values != NULL &&
         model_get_reals(instance->model, &list, count, values)) {
         return MODEL_OK;
@@ -483,20 +480,6 @@ static enum model_status check_unknown(struct instance *instance, const struct v
                : check_real(instance, variable, VARIABLE_OUTPUT);
 }
 
-/* Checks that the seeds of all variables of a list are finite. */
-static enum model_status check_seeds(struct instance *instance, const struct variable_list *list,
-                                     const double *seed)
-{
-    size_t place = 0;
-    for (const struct variable *one = NULL; (one = next_variable(list, one, &place)) != NULL; ++seed) {
-        if (!isfinite(*seed)) {
-            return log_report(instance, MODEL_DISCARD, ": seed of %s = %g refused, allowed: finite",
-                              one->name, *seed);
-        }
-    }
-    return MODEL_OK;
-}
-
 enum model_status instance_product(struct instance *instance, const struct product *p, size_t seed_count,
                                    size_t sensitivity_count)
 {
@@ -513,8 +496,15 @@ enum model_status instance_product(struct instance *instance, const struct produ
         status = check_list(instance, knowns ? check_known : check_unknown, ANY_TYPE, list,
                             has_seeds ? "nSeed" : "nSensitivity", components);
     }
-    if (status == MODEL_OK) {
-        status = check_seeds(instance, p->adjoint ? &p->unknowns : &p->knowns, p->seed);
+    const struct variable_list *seeded = p->adjoint ? &p->unknowns : &p->knowns;
+    const double *seed = p->seed;
+    size_t place = 0;
+    for (const struct variable *one = NULL;
+         status == MODEL_OK && (one = next_variable(seeded, one, &place)) != NULL; ++seed) {
+        if (!isfinite(*seed)) {
+            status = log_report(instance, MODEL_DISCARD, ": seed of %s = %g refused, allowed: finite",
+                                one->name, *seed);
+        }
     }
     return status == MODEL_OK ? model_product(instance->model, p) : status;
 }
@@ -610,7 +600,7 @@ bool numbers_ready(struct instance *instance, const double *values, size_t count
 
 /* The version is raised whenever the layout or meaning of the header or of the model's state (struct
  * model_state, struct scene_state, struct scene_values) changes. */
-#define BLOCK_VERSION 8u
+#define BLOCK_VERSION 9u
 
 struct block_header {
     uint32_t magic; /* the adapter's; a block of the other byte order does not match */
@@ -897,8 +887,10 @@ enum model_status instance_set_logging(struct instance *instance, bool on, size_
     for (size_t i = 0; i < count; ++i) {
         const char *name = categories[i] == NULL ? "(null)" : categories[i];
         if (category_bits(name) == 0) {
-            return log_report(instance, MODEL_ERROR, ": unknown category \"%.100s\" (allowed: %s)", name,
-                              ALL_CATEGORIES);
+            return log_report(instance, MODEL_ERROR,
+                              ": unknown category \"%.100s\" (allowed: logEvents, logStatusWarning, "
+                              "logStatusDiscard, logStatusError, logStatusFatal, logAll)",
+                              name);
         }
         named |= category_bits(name);
     }
@@ -929,12 +921,6 @@ enum model_status instance_set_up(struct instance *instance, bool tolerance_defi
         instance->experiment.set_up = 1;
     }
     return status;
-}
-
-enum model_status instance_exit_initialization(struct instance *instance, bool events)
-{
-    const enum phase next = events || instance->host.exchange ? PHASE_EVENT : PHASE_STEP;
-    return instance_enter(instance, model_exit_initialization(instance->model), next);
 }
 
 enum model_status instance_enter(struct instance *instance, enum model_status status, enum phase next)

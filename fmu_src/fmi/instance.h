@@ -85,7 +85,7 @@ struct instance {
     struct state_block *states;    /* given to the importer and not freed, newest first; kept at a reset */
     double asked_end;              /* end of the last step that the importer asked for [s] */
     enum model_status step_status; /* of the last step */
-    unsigned log_categories;       /* bits of enum log_category */
+    unsigned log_categories;       /* see enum log_categories */
     bool logger_given;             /* false: no message is sent */
     bool logging_on;               /* the setting at instantiation, to which a reset returns */
     const char *name;              /* stored behind the adapter's struct, in one allocation with it */
@@ -93,17 +93,10 @@ struct instance {
 
 /*
  * Messages to the importer's logger. Warnings and worse are always told, unless the importer named categories
- * that leave them out; events are told only while logging is on.
+ * that leave them out; events are told only while logging is on. A category is a bit, 1 << the status of its
+ * messages; events have the status MODEL_OK, and MODEL_FATAL is the last status.
  */
-enum log_category {
-    LOG_EVENTS = 1 << MODEL_OK,
-    LOG_STATUS_WARNING = 1 << MODEL_WARNING,
-    LOG_STATUS_DISCARD = 1 << MODEL_DISCARD,
-    LOG_STATUS_ERROR = 1 << MODEL_ERROR,
-    LOG_STATUS_FATAL = 1 << MODEL_FATAL,
-    LOG_STATUS_ALL = LOG_STATUS_WARNING | LOG_STATUS_DISCARD | LOG_STATUS_ERROR | LOG_STATUS_FATAL,
-    LOG_ALL = LOG_EVENTS | LOG_STATUS_ALL
-};
+enum log_categories { LOG_ALL = (2 << MODEL_FATAL) - 1, LOG_STATUS_ALL = LOG_ALL & ~(1 << MODEL_OK) };
 
 /*
  * Sends a message to the importer's logger and returns `status`, so that a caller can write `return
@@ -114,15 +107,55 @@ enum log_category {
 enum model_status log_report(struct instance *instance, enum model_status status, const char *format, ...)
     CONTACT_PRINTF_LIKE(3, 4);
 
-/* Defines a function of the standard. It evaluates `result` where it may be called now; `absent` says why it
- * never may, or is NULL. */
-#define CALL_OF(status, function, kind, phases, absent, parameters, result)                                  \
-    CONTACT_EXPORTED status function parameters                                                              \
+/* Defines a function of version V of the standard, 2 or 3. It evaluates `result` where it may be called now;
+ * `absent` says why it never may, or is NULL. */
+#define CALL_OF(V, function, kind, phases, absent, parameters, result)                                       \
+    CONTACT_EXPORTED fmi##V##Status fmi##V##function parameters                                              \
     {                                                                                                        \
-        static const struct call call = {#function, CALL_##kind, phases, absent};                            \
+        static const struct call call = {"fmi" #V #function, CALL_##kind, phases, absent};                   \
         struct instance *instance = c;                                                                       \
-        return (status)(call_begin(instance, &call) ? (result) : MODEL_ERROR);                               \
+        return (fmi##V##Status)(call_begin(instance, &call) ? (result) : MODEL_ERROR);                       \
     }
+
+/* Defines a function of version V that reads `count` numbers of Model Exchange. */
+#define NUMBERS_OF(V, function, which, number, phases)                                                       \
+    CALL_OF(V, function, EXCHANGE, PHASES_READ(phases), NULL, (void *c, double x[], size_t count),           \
+            numbers_ready(instance, x, count, number) ? model_exchange_get(instance->model, which, x)        \
+                                                      : MODEL_ERROR)
+
+/* Defines the functions that both versions have with the same arguments, but for those whose phases differ.
+ * `State` and `Deserialize` are parts of names as version V spells them. CompletedIntegratorStep ignores
+ * noSetFMUStatePriorToCurrentPoint, because states are saved only on request. */
+#define CALLS_OF_BOTH(V, State, Deserialize)                                                                 \
+    CALL_OF(V, SetDebugLogging, ANY, PHASES_ALL, NULL,                                                       \
+            (void *c, fmi##V##Boolean on, size_t count, const fmi##V##String categories[]),                  \
+            instance_set_logging(instance, on != 0, count, categories))                                      \
+    CALL_OF(V, Terminate, ANY, PHASE_STEP | PHASES_EXCHANGED, NULL, (void *c),                               \
+            instance_enter(instance, MODEL_OK, PHASE_TERMINATED))                                            \
+    CALL_OF(V, Reset, ANY, PHASES_ALL, NULL, (void *c), instance_reset(instance))                            \
+    CALL_OF(V, CompletedIntegratorStep, EXCHANGE, PHASE_CONTINUOUS, NULL,                                    \
+            (void *c, fmi##V##Boolean unused, fmi##V##Boolean *enters_events, fmi##V##Boolean *terminates),  \
+            ((void)unused, exchange_accept_step(instance, enters_events, terminates, sizeof *terminates)))   \
+    CALL_OF(V, EnterContinuousTimeMode, EXCHANGE, PHASE_EVENT, NULL, (void *c),                              \
+            instance_enter(instance, MODEL_OK, PHASE_CONTINUOUS))                                            \
+    CALL_OF(V, SetContinuousStates, EXCHANGE, PHASE_CONTINUOUS, NULL,                                        \
+            (void *c, const double x[], size_t count),                                                       \
+            numbers_ready(instance, x, count, SCENE_STATES) ? model_exchange_set_states(instance->model, x)  \
+                                                            : MODEL_ERROR)                                   \
+    NUMBERS_OF(V, GetEventIndicators, EXCHANGE_INDICATORS, SCENE_INDICATORS, PHASES_OF_STATES)               \
+    NUMBERS_OF(V, GetContinuousStates, EXCHANGE_STATES, SCENE_STATES, PHASES_OF_STATES)                      \
+    CALL_OF(V, GetFMU##State, ANY, PHASES_ALL, NULL, (void *c, void **state),                                \
+            state_block_get(instance, state))                                                                \
+    CALL_OF(V, FreeFMU##State, ANY, PHASES_ALL, NULL, (void *c, void **state),                               \
+            state_block_free(instance, state))                                                               \
+    CALL_OF(V, SerializedFMU##State##Size, ANY, PHASES_READ(PHASES_ALL), NULL,                               \
+            (void *c, void *state, size_t *size), state_block_size(instance, state, size))                   \
+    CALL_OF(V, SerializeFMU##State, ANY, PHASES_READ(PHASES_ALL), NULL,                                      \
+            (void *c, void *state, fmi##V##Byte bytes[], size_t size),                                       \
+            state_block_serialize(instance, state, bytes, size))                                             \
+    CALL_OF(V, Deserialize##FMU##State, ANY, PHASES_ALL, NULL,                                               \
+            (void *c, const fmi##V##Byte bytes[], size_t size, void **state),                                \
+            state_block_deserialize(instance, bytes, size, state))
 
 /* Begins a call of a function of the standard. Whether it is allowed now; if not, a message says why. For a
  * null instance it returns false without a message. The functions below are called within an allowed call. */
@@ -133,17 +166,10 @@ bool call_begin(struct instance *instance, const struct call *call);
 bool array_given(struct instance *instance, const char *argument, const void *array, size_t count);
 
 /*
- * Getting and setting values: each reference must name a variable of one of the types (bits of enum
- * type_bits) that may be read or set now. All values are checked before any is set. `count` is the number of
- * elements of `values`: with FMI 2.0 one for each reference, with FMI 3.0 one for each component.
+ * Getting and setting values: each reference must name a variable of one of the types (bits 1 << enum
+ * variable_type) that may be read or set now. All values are checked before any is set. `count` is the number
+ * of elements of `values`: with FMI 2.0 one for each reference, with FMI 3.0 one for each component.
  */
-enum type_bits {
-    TYPES_NONE = 0,
-    TYPES_REAL = 1 << VARIABLE_REAL,
-    TYPES_INTEGER = 1 << VARIABLE_INTEGER,
-    TYPES_BOOLEAN = 1 << VARIABLE_BOOLEAN,
-    TYPES_ENUMERATION = 1 << VARIABLE_ENUMERATION
-};
 enum model_status instance_get_values(struct instance *instance, unsigned types, const uint32_t *references,
                                       size_t reference_count, void *values, size_t count);
 enum model_status instance_set_values(struct instance *instance, unsigned types, const uint32_t *references,
@@ -218,10 +244,6 @@ enum model_status instance_set_logging(struct instance *instance, bool on, size_
 CONTACT_COLD enum model_status instance_set_up(struct instance *instance, bool tolerance_defined,
                                                double tolerance, double start_time, bool stop_time_defined,
                                                double stop_time);
-
-/* Ends initialization. Contradictory parameters are refused; the phase then stays, so that other values
- * can be set. */
-enum model_status instance_exit_initialization(struct instance *instance, bool events);
 
 /* Enters the phase `next` unless `status` is worse than a warning, and returns `status`. In Model Exchange
  * the model is told of event mode and of continuous-time mode. */

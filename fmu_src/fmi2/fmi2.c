@@ -28,7 +28,7 @@ _Static_assert((int)MODEL_FATAL == (int)fmi2Fatal, "status order");
  * event mode or continuous-time mode.
  */
 #define CALL2(function, kind, phases, parameters, result)                                                    \
-    CALL_OF(fmi2Status, fmi2##function, kind, phases, NULL, parameters, result)
+    CALL_OF(2, function, kind, phases, NULL, parameters, result)
 
 static void fmi2_send(struct instance *instance, enum model_status status, const char *category,
                       const char *text)
@@ -100,27 +100,18 @@ CONTACT_EXPORTED void fmi2FreeInstance(fmi2Component c)
     instance_free(c);
 }
 
-static enum model_status enter_initialization(struct instance *instance)
-{
-    return instance->experiment.set_up
-               ? instance_enter(instance, MODEL_OK, PHASE_INITIALIZATION)
-               : log_report(instance, MODEL_ERROR, " called before fmi2SetupExperiment");
-}
-
-CALL2(SetDebugLogging, ANY, PHASES_ALL,
-      (fmi2Component c, fmi2Boolean on, size_t count, const fmi2String categories[]),
-      instance_set_logging(instance, on != fmi2False, count, categories))
-CALL2(EnterInitializationMode, ANY, PHASE_INSTANTIATED, (fmi2Component c), enter_initialization(instance))
+CALLS_OF_BOTH(2, state, DeSerialize)
+CALL2(EnterInitializationMode, ANY, PHASE_INSTANTIATED, (fmi2Component c),
+      instance->experiment.set_up ? instance_enter(instance, MODEL_OK, PHASE_INITIALIZATION)
+                                  : log_report(instance, MODEL_ERROR, " called before fmi2SetupExperiment"))
 CALL2(SetupExperiment, ANY, PHASE_INSTANTIATED,
       (fmi2Component c, fmi2Boolean tolerance_defined, fmi2Real tolerance, fmi2Real start_time,
        fmi2Boolean stop_time_defined, fmi2Real stop_time),
       instance_set_up(instance, tolerance_defined != fmi2False, tolerance, start_time,
                       stop_time_defined != fmi2False, stop_time))
 CALL2(ExitInitializationMode, ANY, PHASE_INITIALIZATION, (fmi2Component c),
-      instance_exit_initialization(instance, false))
-CALL2(Terminate, ANY, PHASE_STEP | PHASES_EXCHANGED, (fmi2Component c),
-      instance_enter(instance, MODEL_OK, PHASE_TERMINATED))
-CALL2(Reset, ANY, PHASES_ALL, (fmi2Component c), instance_reset(instance))
+      instance_enter(instance, model_exit_initialization(instance->model),
+                     instance->host.exchange ? PHASE_EVENT : PHASE_STEP))
 
 /* This part gets and sets values. Enumerations are of type fmi2Integer too. There are no string variables, so
  * that fmi2GetString refuses every reference. */
@@ -133,14 +124,14 @@ CALL2(Reset, ANY, PHASES_ALL, (fmi2Component c), instance_reset(instance))
     CALL2(Set##Type, ANY, phases,                                                                            \
           (fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2##Type value[]),            \
           instance_set_values(instance, types, vr, nvr, (const void *)value, nvr))
-GETTER2(Real, TYPES_REAL)
-SETTER2(Real, TYPES_REAL, PHASES_SETTABLE | PHASE_CONTINUOUS)
-GETTER2(Integer, TYPES_INTEGER | TYPES_ENUMERATION)
-SETTER2(Integer, TYPES_INTEGER | TYPES_ENUMERATION, PHASES_SETTABLE)
-GETTER2(Boolean, TYPES_BOOLEAN)
-SETTER2(Boolean, TYPES_BOOLEAN, PHASES_SETTABLE)
-GETTER2(String, TYPES_NONE)
-SETTER2(String, TYPES_NONE, PHASES_SETTABLE)
+GETTER2(Real, 1 << VARIABLE_REAL)
+SETTER2(Real, 1 << VARIABLE_REAL, PHASES_SETTABLE | PHASE_CONTINUOUS)
+GETTER2(Integer, 1 << VARIABLE_INTEGER | 1 << VARIABLE_ENUMERATION)
+SETTER2(Integer, 1 << VARIABLE_INTEGER | 1 << VARIABLE_ENUMERATION, PHASES_SETTABLE)
+GETTER2(Boolean, 1 << VARIABLE_BOOLEAN)
+SETTER2(Boolean, 1 << VARIABLE_BOOLEAN, PHASES_SETTABLE)
+GETTER2(String, 0)
+SETTER2(String, 0, PHASES_SETTABLE)
 
 static enum model_status set_input_derivatives(struct instance *instance, const fmi2ValueReference *vr,
                                                size_t nvr, const fmi2Integer *order, const fmi2Real *value)
@@ -281,41 +272,11 @@ static enum model_status new_discrete_states(struct instance *instance, fmi2Even
 
 CALL2(NewDiscreteStates, EXCHANGE, PHASE_EVENT, (fmi2Component c, fmi2EventInfo *eventInfo),
       new_discrete_states(instance, eventInfo))
-/* noSetFMUStatePriorToCurrentPoint has no effect, because states are saved only on request. */
-CALL2(CompletedIntegratorStep, EXCHANGE, PHASE_CONTINUOUS,
-      (fmi2Component c, fmi2Boolean noSetFMUStatePriorToCurrentPoint, fmi2Boolean *enterEventMode,
-       fmi2Boolean *terminateSimulation),
-      ((void)noSetFMUStatePriorToCurrentPoint,
-       exchange_accept_step(instance, enterEventMode, terminateSimulation, sizeof *enterEventMode)))
-
 CALL2(EnterEventMode, EXCHANGE, PHASES_EXCHANGED, (fmi2Component c),
       instance_enter(instance, MODEL_OK, PHASE_EVENT))
-CALL2(EnterContinuousTimeMode, EXCHANGE, PHASE_EVENT, (fmi2Component c),
-      instance_enter(instance, MODEL_OK, PHASE_CONTINUOUS))
 CALL2(SetTime, EXCHANGE, PHASES_EXCHANGED, (fmi2Component c, fmi2Real time),
       model_exchange_set_time(instance->model, time))
-CALL2(SetContinuousStates, EXCHANGE, PHASE_CONTINUOUS, (fmi2Component c, const fmi2Real x[], size_t nx),
-      numbers_ready(instance, x, nx, SCENE_STATES) ? model_exchange_set_states(instance->model, x)
-                                                   : MODEL_ERROR)
-#define NUMBERS2(function, which, number, phases)                                                            \
-    CALL2(function, EXCHANGE, PHASES_READ(phases), (fmi2Component c, fmi2Real x[], size_t nx),               \
-          numbers_ready(instance, x, nx, number) ? model_exchange_get(instance->model, which, x)             \
-                                                 : MODEL_ERROR)
-NUMBERS2(GetDerivatives, EXCHANGE_RATES, SCENE_STATES, PHASES_OF_STATES)
-NUMBERS2(GetEventIndicators, EXCHANGE_INDICATORS, SCENE_INDICATORS, PHASES_OF_STATES)
-NUMBERS2(GetContinuousStates, EXCHANGE_STATES, SCENE_STATES, PHASES_OF_STATES)
-NUMBERS2(GetNominalsOfContinuousStates, EXCHANGE_NOMINALS, SCENE_STATES,
-         PHASE_INSTANTIATED | PHASES_OF_STATES)
-
-CALL2(GetFMUstate, ANY, PHASES_ALL, (fmi2Component c, fmi2FMUstate *state), state_block_get(instance, state))
+NUMBERS_OF(2, GetDerivatives, EXCHANGE_RATES, SCENE_STATES, PHASES_OF_STATES)
+NUMBERS_OF(2, GetNominalsOfContinuousStates, EXCHANGE_NOMINALS, SCENE_STATES,
+           PHASE_INSTANTIATED | PHASES_OF_STATES)
 CALL2(SetFMUstate, ANY, PHASES_ALL, (fmi2Component c, fmi2FMUstate state), state_block_set(instance, state))
-CALL2(FreeFMUstate, ANY, PHASES_ALL, (fmi2Component c, fmi2FMUstate *state),
-      state_block_free(instance, state))
-CALL2(SerializedFMUstateSize, ANY, PHASES_READ(PHASES_ALL),
-      (fmi2Component c, fmi2FMUstate state, size_t *size), state_block_size(instance, state, size))
-CALL2(SerializeFMUstate, ANY, PHASES_READ(PHASES_ALL),
-      (fmi2Component c, fmi2FMUstate state, fmi2Byte bytes[], size_t size),
-      state_block_serialize(instance, state, bytes, size))
-CALL2(DeSerializeFMUstate, ANY, PHASES_ALL,
-      (fmi2Component c, const fmi2Byte bytes[], size_t size, fmi2FMUstate *state),
-      state_block_deserialize(instance, bytes, size, state))

@@ -38,7 +38,7 @@ _Static_assert((int)MODEL_FATAL == (int)fmi3Fatal, "status order");
  * Model Exchange is never in step mode, Co-Simulation never in continuous-time mode.
  */
 #define CALL3(function, kind, phases, parameters, result)                                                    \
-    CALL_OF(fmi3Status, fmi3##function, kind, phases, NULL, parameters, result)
+    CALL_OF(3, function, kind, phases, NULL, parameters, result)
 
 static void fmi3_send(struct instance *instance, enum model_status status, const char *category,
                       const char *text)
@@ -158,10 +158,7 @@ CONTACT_EXPORTED void fmi3FreeInstance(fmi3Instance c)
     instance_free(c);
 }
 
-CALL3(SetDebugLogging, ANY, PHASES_ALL,
-      (fmi3Instance c, fmi3Boolean on, size_t count, const fmi3String categories[]),
-      instance_set_logging(instance, on, count, categories))
-
+CALLS_OF_BOTH(3, State, Deserialize)
 CALL3(EnterInitializationMode, ANY, PHASE_INSTANTIATED,
       (fmi3Instance c, fmi3Boolean tolerance_defined, fmi3Float64 tolerance, fmi3Float64 start_time,
        fmi3Boolean stop_time_defined, fmi3Float64 stop_time),
@@ -170,10 +167,9 @@ CALL3(EnterInitializationMode, ANY, PHASE_INSTANTIATED,
                                      stop_time),
                      PHASE_INITIALIZATION))
 CALL3(ExitInitializationMode, ANY, PHASE_INITIALIZATION, (fmi3Instance c),
-      instance_exit_initialization(instance, ((struct fmi3_instance *)c)->event_mode_used))
-CALL3(Terminate, ANY, PHASE_STEP | PHASES_EXCHANGED, (fmi3Instance c),
-      instance_enter(instance, MODEL_OK, PHASE_TERMINATED))
-CALL3(Reset, ANY, PHASES_ALL, (fmi3Instance c), instance_reset(instance))
+      instance_enter(instance, model_exit_initialization(instance->model),
+                     instance->host.exchange || ((struct fmi3_instance *)c)->event_mode_used ? PHASE_EVENT
+                                                                                             : PHASE_STEP))
 
 /* This part gets and sets values. A vector is read and written as a whole. */
 
@@ -189,29 +185,29 @@ CALL3(Reset, ANY, PHASES_ALL, (fmi3Instance c), instance_reset(instance))
 #define BOTH3(Type, types)                                                                                   \
     GETTER3(Type, types)                                                                                     \
     SETTER3(Type, types, PHASES_SETTABLE)
-GETTER3(Float64, TYPES_REAL)
-SETTER3(Float64, TYPES_REAL, PHASES_SETTABLE | PHASE_CONTINUOUS)
-BOTH3(Int32, TYPES_INTEGER)
-BOTH3(Int64, TYPES_ENUMERATION)
-BOTH3(Boolean, TYPES_BOOLEAN)
+GETTER3(Float64, 1 << VARIABLE_REAL)
+SETTER3(Float64, 1 << VARIABLE_REAL, PHASES_SETTABLE | PHASE_CONTINUOUS)
+BOTH3(Int32, 1 << VARIABLE_INTEGER)
+BOTH3(Int64, 1 << VARIABLE_ENUMERATION)
+BOTH3(Boolean, 1 << VARIABLE_BOOLEAN)
 
 /* No variable has one of these types, so that every reference is refused. */
-BOTH3(Float32, TYPES_NONE)
-BOTH3(Int8, TYPES_NONE)
-BOTH3(UInt8, TYPES_NONE)
-BOTH3(Int16, TYPES_NONE)
-BOTH3(UInt16, TYPES_NONE)
-BOTH3(UInt32, TYPES_NONE)
-BOTH3(UInt64, TYPES_NONE)
-BOTH3(String, TYPES_NONE)
+BOTH3(Float32, 0)
+BOTH3(Int8, 0)
+BOTH3(UInt8, 0)
+BOTH3(Int16, 0)
+BOTH3(UInt16, 0)
+BOTH3(UInt32, 0)
+BOTH3(UInt64, 0)
+BOTH3(String, 0)
 CALL3(GetBinary, ANY, PHASES_WITHIN(PHASES_ALL),
       (fmi3Instance c, const fmi3ValueReference vr[], size_t nvr, size_t sizes[], fmi3Binary values[],
        size_t count),
-      ((void)sizes, instance_get_values(instance, TYPES_NONE, vr, nvr, (void *)values, count)))
+      ((void)sizes, instance_get_values(instance, 0, vr, nvr, (void *)values, count)))
 CALL3(SetBinary, ANY, PHASES_SETTABLE,
       (fmi3Instance c, const fmi3ValueReference vr[], size_t nvr, const size_t sizes[],
        const fmi3Binary values[], size_t count),
-      ((void)sizes, instance_set_values(instance, TYPES_NONE, vr, nvr, (const void *)values, count)))
+      ((void)sizes, instance_set_values(instance, 0, vr, nvr, (const void *)values, count)))
 
 CALL3(GetOutputDerivatives, STEPS, PHASES_WITHIN(PHASES_STEPPED),
       (fmi3Instance c, const fmi3ValueReference vr[], size_t nvr, const fmi3Int32 orders[],
@@ -334,16 +330,11 @@ fmi3DoStep(fmi3Instance c, fmi3Float64 currentCommunicationPoint, fmi3Float64 co
  * mode, and touches of bodies in flight are announced.
  */
 
-static enum model_status enter_event_mode(struct instance *instance)
-{
-    const struct fmi3_instance *own = (const struct fmi3_instance *)instance;
-    return instance->host.exchange || own->event_mode_used
-               ? instance_enter(instance, MODEL_OK, PHASE_EVENT)
-               : log_report(instance, MODEL_ERROR,
-                            " called in phase step mode: instantiated with eventModeUsed = false");
-}
-
-CALL3(EnterEventMode, ANY, PHASE_STEP | PHASE_CONTINUOUS, (fmi3Instance c), enter_event_mode(instance))
+CALL3(EnterEventMode, ANY, PHASE_STEP | PHASE_CONTINUOUS, (fmi3Instance c),
+      instance->host.exchange || ((struct fmi3_instance *)c)->event_mode_used
+          ? instance_enter(instance, MODEL_OK, PHASE_EVENT)
+          : log_report(instance, MODEL_ERROR,
+                       " called in phase step mode: instantiated with eventModeUsed = false"))
 CALL3(EnterStepMode, STEPS, PHASE_EVENT, (fmi3Instance c), instance_enter(instance, MODEL_OK, PHASE_STEP))
 
 static enum model_status update_discrete_states(struct instance *instance, bool *again, bool *terminate,
@@ -376,13 +367,6 @@ CALL3(UpdateDiscreteStates, ANY, PHASE_EVENT,
       update_discrete_states(instance, again, terminate, nominals_changed, values_changed, time_defined,
                              time))
 
-/* noSetFMUStatePriorToCurrentPoint has no effect, because states are saved only on request. */
-CALL3(CompletedIntegratorStep, EXCHANGE, PHASE_CONTINUOUS,
-      (fmi3Instance c, fmi3Boolean noSetFMUStatePriorToCurrentPoint, fmi3Boolean *enterEventMode,
-       fmi3Boolean *terminateSimulation),
-      ((void)noSetFMUStatePriorToCurrentPoint,
-       exchange_accept_step(instance, enterEventMode, terminateSimulation, sizeof *enterEventMode)))
-
 static enum model_status put_count(struct instance *instance, const char *argument, size_t count, size_t *to)
 {
     if (!array_given(instance, argument, to, 1)) {
@@ -396,21 +380,10 @@ CALL3(GetNumberOfEventIndicators, EXCHANGE, PHASES_READ(PHASES_ALL), (fmi3Instan
       put_count(instance, "nEventIndicators", SCENE_INDICATORS, count))
 CALL3(GetNumberOfContinuousStates, EXCHANGE, PHASES_READ(PHASES_ALL), (fmi3Instance c, size_t *count),
       put_count(instance, "nContinuousStates", SCENE_STATES, count))
-CALL3(EnterContinuousTimeMode, EXCHANGE, PHASE_EVENT, (fmi3Instance c),
-      instance_enter(instance, MODEL_OK, PHASE_CONTINUOUS))
 CALL3(SetTime, EXCHANGE, PHASE_CONTINUOUS, (fmi3Instance c, fmi3Float64 time),
       model_exchange_set_time(instance->model, time))
-CALL3(SetContinuousStates, EXCHANGE, PHASE_CONTINUOUS, (fmi3Instance c, const fmi3Float64 x[], size_t nx),
-      numbers_ready(instance, x, nx, SCENE_STATES) ? model_exchange_set_states(instance->model, x)
-                                                   : MODEL_ERROR)
-#define NUMBERS3(function, which, number)                                                                    \
-    CALL3(function, EXCHANGE, PHASES_READ(PHASES_OF_STATES), (fmi3Instance c, fmi3Float64 x[], size_t nx),   \
-          numbers_ready(instance, x, nx, number) ? model_exchange_get(instance->model, which, x)             \
-                                                 : MODEL_ERROR)
-NUMBERS3(GetContinuousStateDerivatives, EXCHANGE_RATES, SCENE_STATES)
-NUMBERS3(GetEventIndicators, EXCHANGE_INDICATORS, SCENE_INDICATORS)
-NUMBERS3(GetContinuousStates, EXCHANGE_STATES, SCENE_STATES)
-NUMBERS3(GetNominalsOfContinuousStates, EXCHANGE_NOMINALS, SCENE_STATES)
+NUMBERS_OF(3, GetContinuousStateDerivatives, EXCHANGE_RATES, SCENE_STATES, PHASES_OF_STATES)
+NUMBERS_OF(3, GetNominalsOfContinuousStates, EXCHANGE_NOMINALS, SCENE_STATES, PHASES_OF_STATES)
 
 /* A state saved in event mode of Co-Simulation puts an instance without event mode into step mode. */
 static enum model_status set_state(struct instance *instance, fmi3FMUState state)
@@ -425,16 +398,6 @@ static enum model_status set_state(struct instance *instance, fmi3FMUState state
 }
 
 CALL3(SetFMUState, ANY, PHASES_ALL, (fmi3Instance c, fmi3FMUState state), set_state(instance, state))
-CALL3(GetFMUState, ANY, PHASES_ALL, (fmi3Instance c, fmi3FMUState *state), state_block_get(instance, state))
-CALL3(FreeFMUState, ANY, PHASES_ALL, (fmi3Instance c, fmi3FMUState *state), state_block_free(instance, state))
-CALL3(SerializedFMUStateSize, ANY, PHASES_READ(PHASES_ALL),
-      (fmi3Instance c, fmi3FMUState state, size_t *size), state_block_size(instance, state, size))
-CALL3(SerializeFMUState, ANY, PHASES_READ(PHASES_ALL),
-      (fmi3Instance c, fmi3FMUState state, fmi3Byte bytes[], size_t size),
-      state_block_serialize(instance, state, bytes, size))
-CALL3(DeserializeFMUState, ANY, PHASES_ALL,
-      (fmi3Instance c, const fmi3Byte bytes[], size_t size, fmi3FMUState *state),
-      state_block_deserialize(instance, bytes, size, state))
 
 /*
  * These FMUs refuse the functions below with a message. They exist because importers look for all functions
@@ -445,8 +408,7 @@ CALL3(DeserializeFMUState, ANY, PHASES_ALL,
 #pragma GCC diagnostic ignored "-Wunused-parameter"
 #endif
 /* NOLINTBEGIN(misc-unused-parameters) */
-#define ABSENT3(function, reason, parameters)                                                                \
-    CALL_OF(fmi3Status, fmi3##function, ANY, 0, reason, parameters, MODEL_OK)
+#define ABSENT3(function, reason, parameters) CALL_OF(3, function, ANY, 0, reason, parameters, MODEL_OK)
 
 #define NO_CLOCKS "there are no clocks"
 #define CLOCKS fmi3Instance c, const fmi3ValueReference clocks[], size_t count

@@ -667,52 +667,90 @@ static double smooth_gap(const struct general *g, int contact, double gap)
  */
 static const double MISSED_AT_BEND = 0.15;
 
-/* Where in a step the slip is least: the part of the step, the limit L of friction [N] and the least slip
- * [m/s] there, and the change of the slip at that rate in the whole step [m/s]. For a resistance the units
- * are N m and rad/s. */
-struct bend {
-    double part, limit, rate, least;
-};
+/* A step ends before the centre by this part of the way there, because a stage in the centre has no n. The
+ * next step begins a hundred times nearer, so that few such steps lead there. */
+static const double BEFORE_CENTRE = 0.01;
+enum { OFFSET_FROM_CENTRE = OPPOSED }; /* stands beside enum opposed in note_bend */
 
-/* Returns the error of the impulse by friction in the step [N s]. It is less near the ends of the step, where
- * a polynomial fits the longer piece. A slip that does not reach zero is a smooth function of time, with
- * singularities at complex times; the convergence of Radau quadrature follows from their distance. */
-static double missed_at_bend(const struct radau_step *p, const struct friction_law *law,
-                             const struct bend *bend)
+/* Returns the time after the start of the step below which a time is rounding of the clock [s]. */
+static double clock_rounding(const struct general *g)
 {
-    const int s = p->stages->stages;
-    const double end = fmin(bend->part, 1.0 - bend->part);
-    const double share = fmin(MISSED_AT_BEND / (s * s * s), end * end * end);
-    const double away = 2.0 * bend->least / bend->rate; /* in halves of the step */
-    const double slips = bend->rate / law->slip_velocity;
-    return 0.5 * bend->limit * slips * slips * p->length * share *
-           pow(away + sqrt(1.0 + away * away), 1.0 - 2.0 * s);
+    return 64.0 * DBL_EPSILON * fabs(g->step.start);
 }
 
-/* Notes the part of the step at which friction bends between the last sample of the slip and this one, unless
- * the error is below that allowed in the impulse. */
-static void note_bend(struct general *g, const struct scene_instant *at, int contact, int part, int place)
+/* Returns the impulse that a step misses where a motion passes zero that friction opposes [N s, N m s], at a
+ * part of the step and with the change `rate` of this motion in a whole step [m/s, rad/s]. The impulse is
+ * less near the ends of the step, where a polynomial fits the longer piece. */
+static double missed_by_friction(const struct general *g, const struct scene_instant *at, int contact,
+                                 int motion, double part, double rate)
+{
+    const struct friction_law law = scene_friction_law(g->state, contact, motion);
+    const int s = g->step.stages->stages;
+    const double end = fmin(part, 1.0 - part);
+    const double share = fmin(MISSED_AT_BEND / (s * s * s), end * end * end);
+    const double slips = law.kind == FRICTION_REGULARIZED ? rate / law.slip_velocity : 0.0;
+    const double limit = friction_limit(&law, FRICTION_SLIDING, at->normal_force[contact]);
+    return 0.5 * limit * slips * slips * g->step.length * share;
+}
+
+/* Returns the impulse that a step misses where n reverses in the centre, at a part of the step [N s]. Radau
+ * quadrature of a jump misses less than the jump divided by the number of stages (computed), and before the
+ * first stage the time up to the jump. */
+static double missed_at_centre(const struct general *g, const struct scene_instant *at, int contact,
+                               double part)
+{
+    const struct contact_shape shape = scene_contact_shape_at(at, contact);
+    const double jump = contact_is_plane(&shape) ? 0.0 : 2.0 * fabs(at->normal_force[contact]);
+    return jump * g->step.length * fmin(part, 1.0 / g->step.stages->stages);
+}
+
+/* Notes the part of the step at which a vector is least between the last sample and the one at a place, if
+ * the step misses more of an impulse there than the error allowed. The vector is a motion that friction
+ * opposes, or the offset from the centre. A vector that does not reach zero is smooth, with singularities at
+ * complex times; the convergence of Radau quadrature follows from their distance. */
+CONTACT_COLD static void note_bend(struct general *g, const struct scene_instant *at, int contact, int motion,
+                                   int place, struct vec3 last, struct vec3 now)
 {
     const struct radau_step *p = &g->step;
-    const struct vec3 slip = turning_rubbing(at, contact, part).slip;
-    const struct vec3 last = g->slip[contact][part];
-    const struct vec3 change = vec3_axpy(slip, -1.0, last);
-    const double back = -vec3_dot(last, change);
-    g->slip[contact][part] = slip;
-    if (place == 0 || !(back > 0.0) || !(vec3_dot(slip, change) > 0.0)) {
-        return;
-    }
-    const struct friction_law law = scene_friction_law(g->state, contact, part);
-    const double square = vec3_dot(change, change);
+    const struct vec3 change = vec3_sub(now, last);
+    const double back = -vec3_dot(last, change) / vec3_dot(change, change);
     const double from = place > 1 ? p->stages->node[place - 2] : 0.0;
     const double lasts = p->stages->node[place - 1] - from;
-    const struct bend bend = {.limit = friction_limit(&law, FRICTION_SLIDING, at->normal_force[contact]),
-                              .part = from + lasts * back / square,
-                              .rate = sqrt(square) / lasts,
-                              .least = vec3_norm(vec3_axpy(last, back / square, change))};
-    const int impulse = g->ode.layout.impulse[contact] + (part == OPPOSED_SLIP ? 0 : 6);
-    if (law.kind == FRICTION_REGULARIZED && missed_at_bend(p, &law, &bend) * p->weight[impulse] > 1.0) {
-        g->bend = fmin(g->bend, bend.part);
+    const double rate = vec3_norm(change) / lasts;
+    const double part = (from + lasts * back) * (motion == OFFSET_FROM_CENTRE ? 1.0 - BEFORE_CENTRE : 1.0);
+    const double missed = motion == OFFSET_FROM_CENTRE
+                              ? missed_at_centre(g, at, contact, part)
+                              : missed_by_friction(g, at, contact, motion, part, rate);
+    if (!(missed > 0.0)) {
+        return;
+    }
+    const double away = 2.0 * vec3_norm(vec3_axpy(last, back, change)) / rate; /* in halves of the step */
+    const double resolved = pow(away + sqrt(1.0 + away * away), 2.0 * p->stages->stages - 1.0);
+    const int impulse =
+        g->ode.layout.impulse[contact] + (motion == OPPOSED_SLIP || motion == OFFSET_FROM_CENTRE ? 0 : 6);
+    if (missed * p->weight[impulse] > resolved && part * p->length > clock_rounding(g)) {
+        g->bend = fmin(g->bend, part);
+    }
+}
+
+/* Notes the bends of a contact's force between the last sample and this one. */
+static void note_bends(struct general *g, const struct scene_instant *at, int contact, int place)
+{
+    const struct scene_instant *before = place > 1 ? &g->at_stage[place - 2] : &g->at_start;
+    const struct vec3 from = before->geometry[contact].offset;
+    const struct vec3 to = at->geometry[contact].offset;
+    const bool rubs = SCENE_ANY_FRICTION && g->step.problem.turns;
+    for (int i = 0; rubs && i < contact_opposed(g->ode.values, contact); ++i) {
+        const struct vec3 slip = turning_rubbing(at, contact, i).slip;
+        const struct vec3 last = g->slip[contact][i];
+        const double both = vec3_dot(last, slip);
+        g->slip[contact][i] = slip;
+        if (place > 0 && both < vec3_dot(last, last) && both < vec3_dot(slip, slip)) {
+            note_bend(g, at, contact, i, place, last, slip);
+        }
+    }
+    if (SCENE_ANY_CURVED && vec3_dot(from, to) < 0.0) {
+        note_bend(g, at, contact, OFFSET_FROM_CENTRE, place, from, to);
     }
 }
 
@@ -727,9 +765,8 @@ static void sample_events_at(struct general *g, const struct scene_instant *at, 
         }
         g->loads[place][j][GENERAL_FORCE] = at->normal_force[j];
         g->loads[place][j][GENERAL_DEPTH] = -at->geometry[j].gap;
-        const bool rubs = SCENE_ANY_FRICTION && g->step.problem.turns && contact_transmits(g->state, j);
-        for (int i = 0; rubs && i < contact_opposed(g->ode.values, j); ++i) {
-            note_bend(g, at, j, i, place);
+        if (contact_transmits(g->state, j)) {
+            note_bends(g, at, j, place);
         }
         for (int e = ODE_EVENTS_EACH * j; e < ODE_EVENTS_EACH * (j + 1); ++e) {
             const double size = fabs(events[e]);
@@ -1035,12 +1072,6 @@ struct attempt {
 /* A touch that is nearer to the start of a step than this part of its length does not matter: the impulse in
  * between is the power 5/2 of this part, 3e-13, of that in the step. */
 static const double NO_IMPULSE = 1e-5;
-
-/* Returns the time after the start of the step below which a time is rounding of the clock [s]. */
-static double clock_rounding(const struct general *g)
-{
-    return 64.0 * DBL_EPSILON * fabs(g->step.start);
-}
 
 /* Whether the step begins at a touch. A touch shortly before limits its length. */
 static bool is_at_touch(const struct general *g, double *length)
@@ -1353,7 +1384,7 @@ static double largest_coefficient(const double *of, int count)
 }
 
 /* Notes force and penetration at the tops of one of them between two places of the step, where it exceeds
- * what is known. The scene itself is evaluated at each top of the polynomial, so that an error of the
+ * what is known. The scene itself is evaluated at each such top of the polynomial, so that an error of the
  * polynomial counts by its square only. Returns an upper bound of the quantity. */
 static double note_tops(struct general *g, int contact, int load, const double ends[2], double known)
 {
@@ -1371,7 +1402,8 @@ static double note_tops(struct general *g, int contact, int load, const double e
     for (int i = 0; i + 1 < count; ++i) {
         slope[i] = of[i + 1] - of[i];
     }
-    for (int i = 0; i < count && most > known; ++i) {
+    double rest = most; /* from the last top on */
+    for (int i = 0; i < count && rest > known; ++i) {
         const struct bernstein_fall fall = bernstein_first_fall(slope, count - 1, 0.0);
         struct scene_instant at;
         if (!(fall.low < (double)INFINITY)) {
@@ -1379,11 +1411,15 @@ static double note_tops(struct general *g, int contact, int load, const double e
         }
         const double top = bernstein_root(slope, count - 1, fall);
         from += top * (ends[1] - from);
-        const double part = radau_part(p->stages, from);
-        radau_step_at(p, part, g->y);
-        ode_instant(&g->ode, p->start + part * p->length, g->y, &at);
-        contact_peaks_note(&g->state->contact[contact].peaks, at.normal_force[contact],
-                           -at.geometry[contact].gap);
+        bernstein_restrict(of, count, top, 1.0);
+        if (of[0] > known) {
+            const double part = radau_part(p->stages, from);
+            radau_step_at(p, part, g->y);
+            ode_instant(&g->ode, p->start + part * p->length, g->y, &at);
+            contact_peaks_note(&g->state->contact[contact].peaks, at.normal_force[contact],
+                               -at.geometry[contact].gap);
+        }
+        rest = largest_coefficient(of, count);
         bernstein_restrict(slope, count - 1, top, 1.0);
         slope[0] = fmin(slope[0], 0.0); /* rounding would find the same top again */
     }
@@ -1586,6 +1622,7 @@ static void general_start(struct general *g, struct scene_state *q)
     g->plan.solvable = (double)INFINITY;
     g->plan.last_length = 0.0;
     g->step.known_length = 0.0;
+    memset(g->peaks, 0, sizeof g->peaks); /* a saved state holds all of these peaks, of no former run */
     general_set_events(g);
     ode_pack(&g->ode, g->y);
     general_begin(g, q->clock, g->y);
@@ -1675,7 +1712,7 @@ static enum advance_result make_step(struct general *g, struct scene_state *q, s
     const bool reads = g->relative <= solver_relative_tolerance(g->ode.values);
     const double most = reads ? fmax(step->clock_limit - q->clock, left) : left;
     double longest = (double)INFINITY;
-    double known = 0.0; /* g->plan.longest of a step that a bend of friction has shortened */
+    double known = 0.0; /* g->plan.longest of a step that a bend has shortened */
     if (SCENE_ANY_FRICTION && g->step.problem.turns) {
         g->plan.longest = fmin(g->plan.longest, length_of_sliding(g));
     }

@@ -107,8 +107,9 @@ struct iteration {
     struct normals normals[SCENE_CONTACTS];
     struct node_spring spring[1 + SCENE_ANY_SPRINGS * (SCENE_CONTACTS - 1)][OPPOSED];
     struct node_body body[SCENE_BODIES];
-    bool has_springs; /* whether a contact has springs */
-    bool stale;       /* whether the slopes of a contact that rolls have changed by more than STALE */
+    bool has_springs;    /* whether a contact has springs */
+    bool follows_places; /* whether the responses follow the changes of places to come */
+    bool stale;          /* whether the slopes of a contact that rolls have changed by more than STALE */
     int factorizations;
 };
 
@@ -238,6 +239,22 @@ static void note_node_contact(struct iteration *it, int contact, double length)
     it->rows += to->rows;
 }
 
+/* In a step of so many radians of the spring, rounding of the force moves the body by 1e4 times the rounding
+ * of the penetration. The next step would follow this as an oscillation. */
+static const double MANY_RADIANS = 100.0;
+
+/* Whether the responses follow the changes of places to come. Contacts that share bodies then converge in two
+ * or three iterations in place of three or four, because guessed forces that are out of balance move a body
+ * far. A gap of a part of a compound is the difference of long lever arms, and at rest large forces cancel in
+ * their sum: the forces of a tripod at rest have an error of 7e-11 N in place of 3e-9 N. For one contact this
+ * costs more than it saves in short steps. */
+static bool is_to_follow_places(const struct iteration *it)
+{
+    return SCENE_ANY_COMPOUND || it->contacts > 1 ||
+           (it->contacts == 1 &&
+            it->g->step.length * it->g->island[it->contact[0].island].frequency > MANY_RADIANS);
+}
+
 /* Lists the contacts that transmit forces, island by island. Those of which only one body moves come first,
  * because they have the fewest neighbours, and their elimination fills the least of the matrix. */
 static void note_contacts(struct iteration *it)
@@ -253,6 +270,7 @@ static void note_contacts(struct iteration *it)
             }
         }
     }
+    it->follows_places = is_to_follow_places(it);
 }
 
 /* Sets what is the same in all iterations: the motion of bodies that are not free, and the rates without
@@ -795,16 +813,6 @@ static void move_others(struct iteration *it)
     }
 }
 
-/* Whether the responses follow the changes of places to come. Contacts that share bodies then converge in two
- * or three iterations in place of three or four, because guessed forces that are out of balance move a body
- * far. A gap of a part of a compound is the difference of long lever arms, and at rest large forces cancel in
- * their sum: the forces of a tripod at rest have an error of 7e-11 N in place of 3e-9 N. For one contact this
- * costs more than it saves. */
-static inline bool follows_places(const struct iteration *it)
-{
-    return SCENE_ANY_COMPOUND || (SCENE_CONTACTS > 1 && it->contacts > 1);
-}
-
 /* Adds the changes of the responses of a contact at a stage by the changes to come of places. */
 static void add_pending_places(const struct iteration *it, int stage, int contact, struct node *node)
 {
@@ -843,13 +851,13 @@ CONTACT_FLATTEN static void add_pending(struct iteration *it)
         add_loads(it, k / it->contacts, k % it->contacts, node->load);
     }
     radau_step_pending(p, 0, p->others, p->rates, 1.0, p->scratch);
-    if (follows_places(it)) {
+    if (it->follows_places) {
         radau_step_pending(p, 0, p->others, p->scratch, 0.0, p->more);
     }
     for (int k = 0; k < count; ++k) {
         struct node *node = &it->node[k / it->contacts][k % it->contacts];
         add_pending_motion(it, k / it->contacts, k % it->contacts, node);
-        if (follows_places(it)) {
+        if (it->follows_places) {
             add_pending_places(it, k / it->contacts, k % it->contacts, node);
         }
     }
@@ -908,21 +916,21 @@ static inline struct vec3 row_of_springs(const struct vec3 by[OPPOSED][ROWS], co
 static inline void put_block(const struct iteration *it, const struct node *node,
                              const struct node_contact *of, const struct node *by,
                              const struct node_contact *from, const struct shared_bodies *shared,
-                             const struct block_weights *w, bool plain, double *to)
+                             const struct block_weights *w, double *to)
 {
     const int stride = it->g->step.all.stride;
-    const bool springs = SCENE_ANY_SPRINGS && !plain && of->springs;
+    const bool springs = SCENE_ANY_SPRINGS && of->springs;
     struct vec3 arm[4];
     for (int l = 0; l < shared->count; ++l) {
         arm[l] = vec3_scale(shared->by_inertia[l], by->arm[shared->other_end[l]]);
     }
-    for (int r = 0; r < (plain ? ROWS : of->rows); ++r) {
+    for (int r = 0; r < of->rows; ++r) {
         struct vec3 effect = {0.0, 0.0, 0.0};
         struct vec3 twist = {0.0, 0.0, 0.0};
         if (r < ROWS) {
             effect = vec3_axpy(vec3_scale(w->once, node->by_motion[r]), w->square, node->by_place[r]);
             effect = springs ? vec3_add(effect, row_of_springs(node->by_drive, w->by_slip, r)) : effect;
-            effect = plain || of->rows >= ROWS ? vec3_axpy(effect, w->square, node->by_swing[r]) : effect;
+            effect = of->rows >= ROWS ? vec3_axpy(effect, w->square, node->by_swing[r]) : effect;
             effect = vec3_scale(shared->by_mass, effect);
         }
         effect = node == by ? vec3_add(effect, node->by_force[r]) : effect;
@@ -938,14 +946,14 @@ static inline void put_block(const struct iteration *it, const struct node *node
             struct vec3 *own = r < ROWS ? &effect : &twist;
             *own = vec3_add(*own, row_of_springs(node->by_drive, w->by_force, r));
         }
-        if (!plain && from->rows == ROWS_WITHOUT_FRICTION) {
+        if (from->rows == ROWS_WITHOUT_FRICTION) {
             to[r] = vec3_dot(effect, by->push);
             continue;
         }
         to[r] = effect.x;
         to[stride + r] = effect.y;
         to[2 * stride + r] = effect.z;
-        if (SCENE_ANY_ROLLING && !plain && from->loads > 1) {
+        if (SCENE_ANY_ROLLING && from->loads > 1) {
             twist = node == by && r >= ROWS ? vec3_add(twist, node->by_torque[r - ROWS]) : twist;
             to[3 * stride + r] = twist.x;
             to[4 * stride + r] = twist.y;
@@ -982,6 +990,81 @@ static void put_blocks_of_normals(const struct iteration *it, int c, int d, doub
     }
 }
 
+/* Vectors at the stages of a step, one component after the other. */
+struct stage_vectors {
+    double x[RADAU_MOST_STAGES], y[RADAU_MOST_STAGES], z[RADAU_MOST_STAGES];
+};
+
+/* Adds what the forces at all stages do to a row of the response at one stage. The row changes by `motion`
+ * and `place`, weighted by `once` and `square`. The forces act across the lever arms `arm`; with NULL they
+ * act on the masses, and their effects start the sum. */
+static inline void add_effects(int stages, const double *once, const double *square, struct vec3 motion,
+                               struct vec3 place, const struct stage_vectors *arm, struct stage_vectors *sum)
+{
+    for (int j = 0; j < stages; j += LANES) {
+        double2 x = double2_at(once, j) * motion.x + double2_at(square, j) * place.x;
+        double2 y = double2_at(once, j) * motion.y + double2_at(square, j) * place.y;
+        double2 z = double2_at(once, j) * motion.z + double2_at(square, j) * place.z;
+        if (arm) {
+            const double2 a[3] = {double2_at(arm->x, j), double2_at(arm->y, j), double2_at(arm->z, j)};
+            const double2 turned[3] = {y * a[2] - z * a[1], z * a[0] - x * a[2], x * a[1] - y * a[0]};
+            x = double2_at(sum->x, j) + turned[0];
+            y = double2_at(sum->y, j) + turned[1];
+            z = double2_at(sum->z, j) + turned[2];
+        }
+        double2_put(sum->x, j, x);
+        double2_put(sum->y, j, y);
+        double2_put(sum->z, j, z);
+    }
+}
+
+/* Does the work of put_blocks for friction without springs, with several stages of the forces at a time. */
+static void put_blocks_of_rubbing(const struct iteration *it, int c, int d,
+                                  const struct shared_bodies *shared)
+{
+    const struct radau_step *p = &it->g->step;
+    const int s = p->stages->stages;
+    const int stride = p->all.stride;
+    struct stage_vectors arm[4];
+    for (int k = 0; k < shared->count * s; ++k) {
+        const int l = k / s;
+        const struct vec3 of =
+            vec3_scale(p->length * shared->by_inertia[l], it->node[k % s][d].arm[shared->other_end[l]]);
+        arm[l].x[k % s] = of.x;
+        arm[l].y[k % s] = of.y;
+        arm[l].z[k % s] = of.z;
+    }
+    for (int i = 0; i < s; ++i) {
+        const struct node *node = &it->node[i][c];
+        double *rows = p->all.re + unknown_of(it, d, 0) * stride + unknown_of(it, c, i);
+        double square[RADAU_MOST_STAGES];
+        for (int j = 0; j < s; ++j) {
+            square[j] = p->length * p->stages->twice[j * s + i];
+        }
+        for (int r = 0; r < ROWS; ++r) {
+            const struct vec3 place = vec3_add(node->by_place[r], node->by_swing[r]);
+            const double by_mass = p->length * shared->by_mass;
+            struct stage_vectors sum;
+            add_effects(s, p->stages->integral + i * s, square, vec3_scale(by_mass, node->by_motion[r]),
+                        vec3_scale(by_mass, place), NULL, &sum);
+            for (int l = 0; l < shared->count; ++l) {
+                const struct turned_rows *t = &node->turned[shared->end[l]];
+                add_effects(s, p->stages->integral + i * s, square, t->by_motion[r], t->by_place[r], &arm[l],
+                            &sum);
+            }
+            for (int j = 0; j < s; ++j) {
+                double *to = rows + j * ROWS * stride + r;
+                to[0] = sum.x[j];
+                to[stride] = sum.y[j];
+                to[2 * stride] = sum.z[j];
+            }
+            for (int k = 0; k < ROWS && c == d; ++k) {
+                rows[(i * ROWS + k) * stride + r] += vec3_get(node->by_force[r], k);
+            }
+        }
+    }
+}
+
 /* Writes the rows of contact c and the columns of contact d at all stages. */
 CONTACT_FLATTEN static void put_blocks(const struct iteration *it, int c, int d)
 {
@@ -993,10 +1076,13 @@ CONTACT_FLATTEN static void put_blocks(const struct iteration *it, int c, int d)
     if (shared.count == 0 && shared.by_mass == 0.0 && c != d) {
         return;
     }
-    const bool plain = !of->springs && of->rows == ROWS && from->rows == ROWS;
     const bool along_normals = of->rows == ROWS_WITHOUT_FRICTION && from->rows == ROWS_WITHOUT_FRICTION;
     if (along_normals && !(SCENE_ANY_TURNING && scene_turns(it->g->ode.values))) {
         put_blocks_of_normals(it, c, d, shared.by_mass);
+        return;
+    }
+    if (!of->springs && of->rows == ROWS && from->rows == ROWS) {
+        put_blocks_of_rubbing(it, c, d, &shared);
         return;
     }
     for (int i = 0; i < s; ++i) {
@@ -1012,11 +1098,7 @@ CONTACT_FLATTEN static void put_blocks(const struct iteration *it, int c, int d)
                 w.by_force[k] = spring->is_force ? weight : 0.0;
             }
             double *to = rows + unknown_of(it, d, j) * p->all.stride;
-            if (plain) { /* the compiler drops what friction without springs has not */
-                put_block(it, node, of, &it->node[j][d], from, &shared, &w, true, to);
-            } else {
-                put_block(it, node, of, &it->node[j][d], from, &shared, &w, false, to);
-            }
+            put_block(it, node, of, &it->node[j][d], from, &shared, &w, to);
         }
     }
 }
@@ -1117,8 +1199,9 @@ static void finish_nodes(struct iteration *it)
                 torque[it->contact[j].contact] = it->node[i][j].load[LOADS - 1];
             }
         }
-        ode_rates_under(&g->ode, p->point, force, torque, move_to_stage(it, i, true),
-                        p->rates + i * p->stride);
+        struct scene_instant *at = move_to_stage(it, i, true);
+        scene_put_contact_forces(force, torque, g->ode.layout.met, at);
+        ode_rates_at(&g->ode, p->point, at, p->rates + i * p->stride);
     }
     p->evaluations += p->stages->stages;
 }
@@ -1182,6 +1265,9 @@ size_t node_forces_memory(void)
     return sizeof(struct iteration);
 }
 
+/* The first correction moves springs by the guess of the forces, which is zero at a touch. Where the importer
+ * moves both bodies of a contact, no other state shows that the forces have changed. With springs the first
+ * correction is therefore never the last. */
 bool node_forces_solve(struct general *g, double tolerance, void (*set_weights)(struct general *g))
 {
     struct radau_step *p = &g->step;
@@ -1208,7 +1294,8 @@ bool node_forces_solve(struct general *g, double tolerance, void (*set_weights)(
         if (p->iterations == 1 && set_weights) {
             set_weights(g);
         }
-        if (!it->stale && has_converged(p, size, last, tolerance)) {
+        const bool shows_springs = p->iterations > 1 || !it->has_springs;
+        if (!it->stale && shows_springs && has_converged(p, size, last, tolerance)) {
             finish_nodes(it);
             return true;
         }

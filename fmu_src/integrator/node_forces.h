@@ -58,7 +58,7 @@ struct general {
     double error_at_end;     /* error at the end of the last step, divided by the error allowed */
     bool error_is_noise;     /* whether rounding decides error_at_end */
     struct vec3 slip[SCENE_CONTACTS][OPPOSED]; /* the last sample of the slips in the step [m/s, rad/s] */
-    double bend;         /* part of the step at which friction bends first and matters; INFINITY: nowhere */
+    double bend;         /* part of the step at which a force bends first and matters; INFINITY: nowhere */
     double within_share; /* factor of error_within when it is compared with error_at_end */
     double read_share;   /* within_share where outputs are read within the step */
     bool is_sampled;     /* whether `events` and `loads` are those of the solved step */

@@ -177,14 +177,6 @@ static const double MOST_LAW_INSTANTS = 1e6;
 /* The last instant is right before the bodies part, where a dashpot may have been clipped shortly before. */
 static const double JUST_BEFORE = 1.0 - 1e-9;
 
-/* Returns g' for the law [m/s]. */
-static double law_rate_at(const struct advancement_path *path, const struct advancement_instant *at,
-                          double time)
-{
-    const struct vec3 mismatch = path_at(path->mismatch, SEPARATION_DEGREE, time);
-    return at->geometry.gap_rate + path->shape.side * vec3_dot(at->geometry.normal, mismatch);
-}
-
 /* Returns the regime that follows by the law. It is another one than `present` only where the law's event
  * function is below zero by more than its rounding and by more than `left`, so that rounding at one event
  * cannot cause another event. */
@@ -209,25 +201,14 @@ static enum contact_regime regime_at_time(const struct advancement_path *path, c
     struct advancement_instant at;
     advancement_at(path, time, &at);
     const double gap = fmin(at.geometry.gap, -DBL_MIN);
-    const double rate = law_rate_at(path, &at, time);
+    const struct vec3 mismatch = path_at(path->mismatch, SEPARATION_DEGREE, time);
+    const double rate = at.geometry.gap_rate + path->shape.side * vec3_dot(at.geometry.normal, mismatch);
     if (present == REGIME_APART) {
         return contact_regime_of(law, gap, rate, true);
     }
     const double gap_noise = at.noise[ADVANCEMENT_GAP];
     const double tilt = contact_turns(&path->shape, &at.geometry) ? gap_noise / at.geometry.distance : 0.0;
     return regime_by_law(law, present, gap, rate, gap_noise, vec3_norm(at.c[1]) * (ROUNDINGS + tilt), 0.0);
-}
-
-static double halve_to_regime(const struct advancement_path *path, const struct contact_law *law,
-                              enum contact_regime present, double before, double after)
-{
-    for (;;) {
-        const double middle = 0.5 * (before + after);
-        if (!(middle > before && middle < after)) {
-            return after;
-        }
-        *(regime_at_time(path, law, present, middle) == present ? &before : &after) = middle;
-    }
 }
 
 /* Looks for a change of regime by the force law before `until` [s], while the bodies go on touching. */
@@ -239,14 +220,17 @@ static void look_for_law(struct advancement_path *path, const struct contact_law
     const long count = (long)fmin(wanted, fmin(MOST_LAW_INSTANTS, fmax(LEAST_LAW_INSTANTS, (double)budget)));
     double before = 0.0;
     for (long i = 1; i <= count; ++i) {
-        const double time = until * fmin((double)i / (double)count, JUST_BEFORE);
+        double time = until * fmin((double)i / (double)count, JUST_BEFORE);
         const enum contact_regime then = regime_at_time(path, law, present, time);
         found->evaluations += 1;
         if (then != present) {
-            const double change = halve_to_regime(path, law, present, before, time);
             struct advancement_instant at;
-            advancement_at(path, change, &at);
-            found->next = (struct regime_change){change, then, at.geometry.gap, true};
+            for (double middle = 0.5 * (before + time); middle > before && middle < time;
+                 middle = 0.5 * (before + time)) {
+                *(regime_at_time(path, law, present, middle) == present ? &before : &time) = middle;
+            }
+            advancement_at(path, time, &at);
+            found->next = (struct regime_change){time, then, at.geometry.gap, true};
             return;
         }
         before = time;

@@ -62,30 +62,31 @@ static inline void subtract_two(double *to, const double *one, double by_one, co
     }
 }
 
-/* Finds the pivot of column k, whose elements from k on are complete, and divides by it. */
-static inline bool take_pivot(const struct lu_matrix *m, int k)
+/* Finds the pivot of column k, whose elements from k on are complete, and divides by it. Swaps its row and
+ * row k of this column and of the other one of a pair. */
+static inline bool take_pivot(const struct lu_matrix *m, int k, int other)
 {
     const int n = m->rows;
     double *column = m->re + k * m->stride;
     const int row = largest_of_column(column, k, n);
     m->pivot[k] = row;
-    for (int j = 0; j < n && row != k; ++j) {
-        swap_elements(m->re + j * m->stride, k, row);
-    }
+    swap_elements(column, k, row);
+    swap_elements(m->re + other * m->stride, k, row);
     const double pivot = column[k];
     column[k] = 1.0 / pivot;
-    for (int i = k + 1; i < n; ++i) {
-        column[i] *= column[k];
+    for (int i = k + 1; i < n; i += LANES) {
+        double2_put(column, i, double2_at(column, i) * column[k]);
     }
     return pivot != 0.0 && isfinite(pivot);
 }
 
-/* Two pivots at a time, which halves the loads and stores of the columns behind them. */
-CONTACT_FLATTEN bool lu_factor(struct lu_matrix m)
+/* Takes two pivots at a time, which halves the loads and stores of the columns behind them. The columns
+ * before them stay as they are; lu_solve swaps elements of the right side as it comes to each column. */
+CONTACT_NOINLINE CONTACT_FLATTEN bool lu_factor(struct lu_matrix m)
 {
     const int n = m.rows;
     for (int k = 0; k < n; k += 2) {
-        if (!take_pivot(&m, k)) {
+        if (!take_pivot(&m, k, k + 1 < n ? k + 1 : k)) {
             return false;
         }
         if (k + 1 == n) {
@@ -95,15 +96,20 @@ CONTACT_FLATTEN bool lu_factor(struct lu_matrix m)
         for (int i = k + 1; i < n && next[k] != 0.0; i += LANES) {
             double2_put(next, i, double2_at(next, i) - double2_at(next - m.stride, i) * next[k]);
         }
-        if (!take_pivot(&m, k + 1)) {
+        if (!take_pivot(&m, k + 1, k)) {
             return false;
         }
         const double *one = m.re + k * m.stride;
         const double *two = one + m.stride;
         struct runs runs; /* bodies that move along an axis leave many zeros */
         find_runs(one, two, k + 2, n, &runs);
+        const bool swaps = m.pivot[k] != k || m.pivot[k + 1] != k + 1;
         for (int j = k + 2; j < n; ++j) {
             double *to = m.re + j * m.stride;
+            if (swaps) {
+                swap_elements(to, k, m.pivot[k]);
+                swap_elements(to, k + 1, m.pivot[k + 1]);
+            }
             to[k + 1] -= one[k + 1] * to[k];
             for (int i = 0; i < runs.count && (to[k] != 0.0 || to[k + 1] != 0.0); ++i) {
                 subtract_two(to, one, to[k], two, to[k + 1], runs.first[i], runs.end[i]);
@@ -113,15 +119,14 @@ CONTACT_FLATTEN bool lu_factor(struct lu_matrix m)
     return true;
 }
 
-/* Two columns at a time, as lu_factor. */
-CONTACT_FLATTEN void lu_solve(struct lu_matrix m, double *side)
+/* Takes two columns at a time, as lu_factor does. */
+CONTACT_NOINLINE CONTACT_FLATTEN void lu_solve(struct lu_matrix m, double *side)
 {
     const int n = m.rows;
-    for (int k = 0; k < n; ++k) {
-        swap_elements(side, k, m.pivot[k]);
-    }
     for (int k = 0; k + 1 < n; k += 2) {
         const double *one = m.re + k * m.stride;
+        swap_elements(side, k, m.pivot[k]);
+        swap_elements(side, k + 1, m.pivot[k + 1]);
         side[k + 1] -= one[k + 1] * side[k];
         subtract_two(side, one, side[k], one + m.stride, side[k + 1], k + 2, n);
     }

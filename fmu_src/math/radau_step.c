@@ -141,90 +141,89 @@ void radau_step_begin(struct radau_step *p, double clock, const double *y)
     memcpy(p->y, y, (size_t)p->problem.size * sizeof *y);
 }
 
-static struct quaternion reciprocal_of(struct quaternion q)
+/* Returns d of p' = d p, where the quaternion e p has the rate r e p, and e is the turn by the vector phi,
+ * twice the integral of r. With theta = |phi| and k = sin(theta/2) / theta
+ *   d = 2 k (k - cos(theta/2)) phi x r + (2 k^2 - (1 - sin(theta) / theta) / theta^2) phi x (phi x r)
+ * This formula is that of e* (r - D) e, where D is the rate by the exponential function of phi. The rate d is
+ * zero where r has the direction of phi. */
+static struct vec3 turning_left(struct quaternion e, struct vec3 phi, struct vec3 r)
 {
-    return quaternion_scale(1.0 / quaternion_dot(q, q), quaternion_inverse(q));
+    const double square = vec3_dot(phi, phi);
+    if (!(square > DBL_MIN)) {
+        return vec3_make(0.0, 0.0, 0.0);
+    }
+    const struct vec3 cross = vec3_cross(phi, r);
+    const double k = vec3_dot(quaternion_vector(e), phi) / square;
+    const double twice = 2.0 * k * k - (1.0 - 2.0 * k * e.w) / square;
+    return vec3_axpy(vec3_scale(2.0 * k * (k - e.w), cross), twice, vec3_cross(phi, cross));
 }
 
-/* Writes the matrix I - h A_ij r_j, and its right side h sum A_ij r_j q behind each row, where r_j q are the
- * rates of the quaternion q at the start. */
-CONTACT_NOT_FUSED static void put_turning_matrix(const struct radau_step *p, int first,
-                                                 struct quaternion matrix[][RADAU_MOST_STAGES + 1])
+/* The changes of a quaternion are found to this part of the error allowed, as forces are (NEWTON_SHARE of
+ * integrator/general.c), or to rounding. MOST_TURNINGS is chosen: accurate steps take a few iterations, and a
+ * step that takes more is much too long for its polynomial. */
+static const double TURNING_SHARE = 0.05;
+enum { MOST_TURNINGS = 40 };
+
+/* Sets a quaternion p' = d p at the stages, where p starts at one and `d` holds the rates times the step's
+ * length, by iterations of the integral for one stage after the other. Returns false where they do not find
+ * p, which is then unfinished. */
+static bool find_turning(const struct radau_stages *stages, const struct vec3 *d, double tolerance,
+                         struct quaternion *p)
 {
-    const int s = p->stages->stages;
-    const struct quaternion inverse = reciprocal_of(quaternion_from(p->y + first));
+    const int s = stages->stages;
+    double rates[RADAU_MOST_STAGES * 4];
+    double missing = 0.0;
+    double last = 1.0;
     for (int i = 0; i < s; ++i) {
-        matrix[i][s] = (struct quaternion){0.0, 0.0, 0.0, 0.0};
+        p[i] = quaternion_identity();
+        quaternion_to(quaternion_make(0.0, d[i]), rates + 4 * i);
+        missing = larger(vec3_max_abs(d[i]), missing);
     }
-    for (int j = 0; j < s; ++j) {
-        const struct quaternion rate = quaternion_from(p->rates + j * p->stride + first);
-        const struct quaternion turning = quaternion_product(rate, inverse);
+    for (int k = 0; k < MOST_TURNINGS && missing > tolerance; ++k) {
+        double moved = 0.0;
         for (int i = 0; i < s; ++i) {
-            const double weight = p->length * p->stages->integral[i * s + j];
-            matrix[i][j] = quaternion_axpy((struct quaternion){i == j, 0.0, 0.0, 0.0}, -weight, turning);
-            matrix[i][s] = quaternion_axpy(matrix[i][s], weight, rate);
+            double change[4];
+            combine_rows(change, stages->integral + i * s, s, rates, 4, 4);
+            const struct quaternion now = {1.0 + change[0], change[1], change[2], change[3]};
+            const struct quaternion by = quaternion_axpy(now, -1.0, p[i]);
+            moved = larger(fabs(by.w), larger(vec3_max_abs(quaternion_vector(by)), moved));
+            p[i] = now;
+            quaternion_to(quaternion_product(quaternion_make(0.0, d[i]), now), rates + 4 * i);
         }
+        missing = moved * fmin(moved / last, 1.0);
+        last = moved;
     }
-}
-
-/* The part of a rate across the fastest rate, divided by the fastest rate, is rounding below this number. */
-static const double ONE_AXIS = 4.0 * DBL_EPSILON;
-
-/* Sets the changes at the stages of a quaternion q' = r q if all r turn it about one axis: the angles of the
- * turns then sum up. Returns false if they do not. */
-static bool turn_about_one_axis(struct radau_step *p, int first)
-{
-    const int s = p->stages->stages;
-    const struct quaternion start = quaternion_from(p->y + first);
-    const struct quaternion inverse = reciprocal_of(start);
-    struct vec3 turning[RADAU_MOST_STAGES];
-    struct vec3 fastest = {0.0, 0.0, 0.0};
-    for (int j = 0; j < s; ++j) {
-        const struct quaternion rate = quaternion_from(p->rates + j * p->stride + first);
-        turning[j] = quaternion_vector(quaternion_product(rate, inverse));
-        fastest = vec3_max_abs(turning[j]) > vec3_max_abs(fastest) ? turning[j] : fastest;
-    }
-    for (int j = 0; j < s; ++j) {
-        const struct vec3 across = vec3_cross(turning[j], fastest);
-        if (!(vec3_norm(across) <= ONE_AXIS * vec3_dot(fastest, fastest))) {
-            return false;
-        }
-    }
-    for (int i = 0; i < s; ++i) {
-        struct vec3 turned = {0.0, 0.0, 0.0};
-        for (int j = 0; j < s; ++j) {
-            turned = vec3_axpy(turned, 2.0 * p->length * p->stages->integral[i * s + j], turning[j]);
-        }
-        const struct quaternion now = quaternion_product(quaternion_of_rotation(turned), start);
-        quaternion_to(quaternion_axpy(now, -1.0, start), p->change + i * p->stride + first);
-    }
-    return true;
+    return missing <= tolerance;
 }
 
 /* Sets the changes at the stages of a quaternion q' = r q, whose rates are given for its value at the start.
- * They solve a linear system whose entries are quaternions, eliminated like numbers in the order of their
- * products. Without pivots the entries do not grow, for turns of up to fifty radians (measured). */
+ * It is e p times its start, where e turns by the integral of r, so that p = 1 where all r turn about one
+ * axis. The changes are NaN where p is not found. */
 CONTACT_NOT_FUSED CONTACT_FLATTEN static void turn_quaternion(struct radau_step *p, int first)
 {
     const int s = p->stages->stages;
-    struct quaternion matrix[RADAU_MOST_STAGES][RADAU_MOST_STAGES + 1];
-    put_turning_matrix(p, first, matrix);
-    for (int k = 0; k < s; ++k) {
-        const struct quaternion inverse = reciprocal_of(matrix[k][k]);
-        for (int i = k + 1; i < s; ++i) {
-            const struct quaternion factor = quaternion_product(matrix[i][k], inverse);
-            for (int j = k + 1; j <= s; ++j) {
-                matrix[i][j] = quaternion_axpy(matrix[i][j], -1.0, quaternion_product(factor, matrix[k][j]));
-            }
-        }
+    const struct quaternion start = quaternion_from(p->y + first);
+    const struct quaternion back =
+        quaternion_scale(p->length / quaternion_dot(start, start), quaternion_inverse(start));
+    double rates[RADAU_MOST_STAGES * 4], turned[RADAU_MOST_STAGES * 4];
+    struct quaternion e[RADAU_MOST_STAGES], left[RADAU_MOST_STAGES];
+    struct vec3 d[RADAU_MOST_STAGES];
+    for (int j = 0; j < s; ++j) {
+        const struct quaternion rate = quaternion_from(p->rates + j * p->stride + first);
+        quaternion_to(quaternion_product(rate, back), rates + 4 * j);
     }
-    for (int i = s - 1; i >= 0; --i) {
-        struct quaternion *side = &matrix[i][s];
-        for (int j = i + 1; j < s; ++j) {
-            *side = quaternion_axpy(*side, -1.0, quaternion_product(matrix[i][j], matrix[j][s]));
-        }
-        *side = quaternion_product(reciprocal_of(matrix[i][i]), *side);
-        quaternion_to(*side, p->change + i * p->stride + first);
+    radau_combine_rows(turned, 4, p->stages->integral, s, s, rates, 4, 4);
+    for (int j = 0; j < s; ++j) {
+        const struct vec3 phi = vec3_scale(2.0, vec3_from(turned + 4 * j + 1));
+        e[j] = quaternion_of_rotation(phi);
+        d[j] = turning_left(e[j], phi, vec3_from(rates + 4 * j + 1));
+    }
+    const double tolerance = fmax(TURNING_SHARE / p->weight[first], DBL_EPSILON);
+    const double found = find_turning(p->stages, d, tolerance, left) ? 1.0 : (double)NAN;
+    for (int j = 0; j < s; ++j) {
+        const struct quaternion now = quaternion_product(quaternion_product(e[j], left[j]), start);
+        quaternion_to(quaternion_axpy(quaternion_scale(-1.0, start), found, now),
+                      p->change + j * p->stride + first);
     }
 }
 
@@ -249,9 +248,7 @@ void radau_step_finish(struct radau_step *p)
         }
     }
     for (int j = problem->coupled; j < problem->integrals; j += 4) {
-        if (!turn_about_one_axis(p, j)) {
-            turn_quaternion(p, j);
-        }
+        turn_quaternion(p, j);
     }
     p->known_start = p->start;
     p->known_length = p->length;

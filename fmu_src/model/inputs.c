@@ -218,32 +218,6 @@ struct contact_law model_law_slope(const struct model *m, int contact, double di
  * kept until then, so that a parameter that is set back, or set without effect, changes nothing.
  */
 
-/* Notes the parameters in force, before one of them is set between steps. A deferred flight is computed here,
- * because it took place under the gravity in force before. */
-static void model_begin_tuning(struct model *m)
-{
-    if (!m->state.tuned) {
-        motion_catch_up(m);
-        m->state.in_force = m->state.values;
-    }
-    m->state.tuned = 1;
-    m->state.signals_changed = 1;
-    m->state.signals_open = 1;
-}
-
-/* Returns a sum that is finite only if all factors and normal forces of the contacts are. */
-static double size_of_forces(const struct scene_state *q)
-{
-    struct scene_instant at;
-    scene_now(q, &at);
-    double sum = 0.0;
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const struct contact_coefficients *factors = &q->contact[j].parameters.factors;
-        sum += factors->k + factors->c + fabs(at.normal_force[j]);
-    }
-    return sum;
-}
-
 /* Gives a contact new factors of its law. Errors of the gap and its rate make the error bound of the force
  * [N], and the factors multiply them. */
 static void take_factors(struct contact_state *state, struct contact_coefficients next)
@@ -296,8 +270,13 @@ static bool motion_tune(const struct scene_values *v, const struct scene_values 
     if (SCENE_ANY_FREE) {
         transition_take_law(q, law_changed, stored);
     }
-    return isfinite(size_of_forces(q)) &&
-           (!SCENE_ANY_FREE || isfinite(q->external_work) || scene_is_force_element(v));
+    struct scene_instant after;
+    scene_now(q, &after);
+    double sum = !SCENE_ANY_FREE || scene_is_force_element(v) ? 0.0 : q->external_work;
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        sum += factors[j].k + factors[j].c + fabs(after.normal_force[j]);
+    }
+    return isfinite(sum);
 }
 
 /* Takes parameters that were set between steps over into the motion and books the energy that they add or
@@ -381,8 +360,13 @@ enum model_status model_check(struct model *m, const struct variable *variable, 
 
 void model_set(struct model *m, const struct variable *variable, double value)
 {
-    if (m->state.initialized && variable->causality == VARIABLE_PARAMETER) {
-        model_begin_tuning(m);
+    const bool tunes = m->state.initialized && variable->causality == VARIABLE_PARAMETER;
+    if (tunes && !m->state.tuned) { /* a deferred flight took place under the gravity in force before */
+        motion_catch_up(m);
+        m->state.in_force = m->state.values;
+    }
+    if (tunes) {
+        m->state.tuned = m->state.signals_changed = m->state.signals_open = 1;
     }
     variable_put(variable, &m->state.values, value);
     m->outputs = OUTPUTS_NONE;
@@ -546,7 +530,9 @@ static void warn_of_axis(struct model *m, int body, const struct body_path *path
     warn_of_rates(m, body, WARNED_OF_AXIS, rate, turning, AXIS_AGREEMENT);
 }
 
-void model_warn_of_rates(struct model *m)
+/* Warns once of each prescribed body whose given derivative of displacement is not its prescribed
+ * velocity. */
+static void warn_of_bodies(struct model *m)
 {
     const struct scene_values *v = &m->state.values;
     const struct scene_state *q = &m->state.motion;
@@ -569,8 +555,11 @@ void model_warn_of_rates(struct model *m)
     }
 }
 
-void model_close_inputs(struct model *m)
+enum model_status model_close_inputs(struct model *m)
 {
+    if (!model_apply_inputs(m)) {
+        return model_refuse_inputs(m);
+    }
     for (int i = 0; i < SCENE_BODIES; ++i) {
         for (int k = 0; k < SIGNALS_EACH; ++k) {
             m->state.marks[i][k] &= SIGNAL_EXPLICIT;
@@ -578,4 +567,6 @@ void model_close_inputs(struct model *m)
     }
     m->state.signals_changed = 0;
     m->state.signals_open = 0;
+    warn_of_bodies(m);
+    return MODEL_OK;
 }

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "flight/flight.h"
 #include "model/state.h"
 
 struct model *model_create(const struct model_host *host)
@@ -50,24 +51,6 @@ enum model_status model_setup(struct model *m, bool tolerance_defined, double to
                               shortest_digits(tolerance).text, row->min, row->max, row->name, used);
 }
 
-enum model_status model_exit_initialization(struct model *m)
-{
-    const enum model_status checked = model_check_consistency(m);
-    if (checked > MODEL_WARNING) {
-        return checked;
-    }
-    if (!m->host.exchange) {
-        const enum model_status status = motion_open(m, &m->state.values, "Initialization failed");
-        if (status != MODEL_OK) {
-            return status;
-        }
-    }
-    model_warn_of_idle(m);
-    m->state.initialized = 1;
-    m->outputs = OUTPUTS_NONE;
-    return checked;
-}
-
 double model_time(const struct model *m)
 {
     return m->state.initialized ? scene_time(&m->state.motion) : m->state.start_time;
@@ -103,7 +86,16 @@ static enum model_status take_step(struct model *m, const struct step_request *r
 
 bool model_step_deferred(struct model *m, double end_time)
 {
-    return !m->state.signals_open && motion_defer(m, end_time);
+    struct scene_state *q = &m->state.motion;
+    if (!SCENE_ANY_FREE || m->state.signals_open || !flight_defer(q, end_time)) {
+        return false;
+    }
+    if (m->outputs != OUTPUTS_NONE && q->only_flies) {
+        outputs_foresee(m, q->clock);
+    } else {
+        m->outputs = OUTPUTS_NONE;
+    }
+    return true;
 }
 
 /* Lets the owner read the outputs of an event within a step; reading them does not change the run. */
@@ -123,12 +115,8 @@ enum model_status model_step(struct model *m, const struct step_request *request
         return model_report(m, MODEL_ERROR, "A step to %s s before the end of the initialization.",
                             shortest_digits(request->end_time).text);
     }
-    if (m->state.signals_open) {
-        if (!model_apply_inputs(m)) {
-            return model_refuse_inputs(m);
-        }
-        model_close_inputs(m);
-        model_warn_of_rates(m);
+    if (m->state.signals_open && model_close_inputs(m) != MODEL_OK) {
+        return MODEL_DISCARD;
     }
     if (model_step_deferred(m, request->end_time)) {
         return MODEL_OK;
@@ -150,9 +138,15 @@ size_t model_state_size(void)
     return sizeof(struct model_state);
 }
 
+/* Whether the solver's method uses a history that is not part of the saved state, as CVODE does. */
+static bool has_history(const struct scene_values *v)
+{
+    return SCENE_ANY_FREE && solver_method(v) != SOLVER_METHOD_EVENT_DRIVEN;
+}
+
 void model_save(struct model *m, void *bytes)
 {
-    if (m->state.initialized && !m->host.exchange && motion_has_history(&m->state.values)) {
+    if (m->state.initialized && !m->host.exchange && has_history(&m->state.values)) {
         motion_catch_up(m);
         scene_rebase(&m->state.motion);
         m->outputs = OUTPUTS_NONE;
@@ -166,7 +160,7 @@ void model_save(struct model *m, void *bytes)
 /* This function is not inlined, because its two callers would then each contain it. */
 CONTACT_NOINLINE static bool value_in_range(const struct scene_values *values, const struct variable *row)
 {
-    if (variable_is_local(row)) {
+    if (row->causality >= VARIABLE_STATE) {
         return true; /* it is computed from values that are checked */
     }
     const double value = variable_value(row, values);
@@ -212,8 +206,11 @@ static bool is_direction(struct vec3 a)
     return fabs(vec3_dot(a, a) - 1.0) < 1e-9;
 }
 
-static bool contact_is_sound(const struct contact_state *contact, bool initialized)
+static bool contact_is_sound(const struct scene_state *q, int number, bool initialized)
 {
+    const struct contact_state *contact = &q->contact[number];
+    struct contact_parameters fixed = contact->parameters;
+    contact_fix_axes(q->v, number, &fixed);
     bool friction_is_known = true;
     for (int i = 0; i < OPPOSED; ++i) {
         const int32_t regime = contact->friction_regime[i];
@@ -221,12 +218,12 @@ static bool contact_is_sound(const struct contact_state *contact, bool initializ
             friction_is_known && regime >= (int32_t)FRICTION_STICKING && regime <= (int32_t)FRICTION_LIFTED;
     }
     const bool placed = (contact->side == 1 || contact->side == -1) && is_direction(contact->physics.normal);
-    const bool has_axis = !SCENE_ANY_AXIS || !initialized || is_direction(contact->parameters.axis) ||
-                          vec3_is_zero(contact->parameters.axis); /* a sphere's axis is the zero vector */
+    const void *const bytes[] = {&fixed, &contact->parameters}; /* doubles without padding */
+    const bool has_axes = !initialized || memcmp(bytes[0], bytes[1], sizeof fixed) == 0;
     /* The times up to which a search has looked ahead may be infinite, but not NaN. */
     const struct contact_schedule *ahead = &contact->schedule;
     return known_regime(contact->regime) && (!initialized || placed) && friction_is_known &&
-           known_zone(contact->zone) && has_axis && known_regime(ahead->change_regime) &&
+           known_zone(contact->zone) && has_axes && known_regime(ahead->change_regime) &&
            contact->record.onsets >= 0 && !isnan(ahead->change_clock) && !isnan(ahead->dead_band_clock) &&
            isfinite(ahead->change_gap) && all_finite(contact, &contact->record.onsets);
 }
@@ -271,7 +268,7 @@ static bool motion_is_sound(const struct scene_state *q, bool initialized)
     const bool counted = n->steps >= 0 && n->force_evaluations >= 0 && n->events >= 0 &&
                          n->rejected_steps >= 0 && n->fallbacks >= 0;
     const bool fresh =
-        q->integrator_fresh == 1 || (q->integrator_fresh == 0 && !(initialized && motion_has_history(q->v)));
+        q->integrator_fresh == 1 || (q->integrator_fresh == 0 && !(initialized && has_history(q->v)));
     const bool clocks_are_sound =
         q->clock >= 0.0 && !isnan(q->horizon_clock) && !isnan(q->deferrable_clock) &&
         (q->deferred == 0 || q->deferred == 1) && (q->only_flies == 0 || q->only_flies == 1) &&
@@ -294,7 +291,7 @@ static bool state_is_sound(const struct model_state *state)
                 (!state->tuned || value_in_range(&state->in_force, &scene_variables[i]));
     }
     for (int j = 0; sound && j < SCENE_CONTACTS; ++j) {
-        sound = contact_is_sound(&state->motion.contact[j], initialized);
+        sound = contact_is_sound(&state->motion, j, initialized);
     }
     return sound && motion_is_sound(&state->motion, initialized) && phase_is_sound(state) &&
            turning_is_sound(&state->motion, initialized) && all_finite(state->signals, &state->motion) &&
@@ -307,8 +304,7 @@ static bool state_is_sound(const struct model_state *state)
  * out, integrator.message says so. */
 static bool gives_numbers(struct model *m)
 {
-    bool finite =
-        !m->state.initialized || m->host.exchange || motion_open(m, &m->state.values, "") == MODEL_OK;
+    bool finite = !m->state.initialized || m->host.exchange || motion_open(m, "") == MODEL_OK;
     if (finite && !model_update_outputs(m, OUTPUTS_ALL)) {
         m->state.signals_changed = 0; /* refused inputs may still be replaced */
         (void)model_update_outputs(m, OUTPUTS_ALL);

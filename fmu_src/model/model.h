@@ -166,11 +166,8 @@ enum model_status model_exchange_update(struct model *m, struct exchange_news *n
  * the distance d of the contact is zero and gives no direction. */
 enum model_status model_exchange_accept(struct model *m);
 
-/* Bytes of the longest text, -1.2345678901234567e-308, with its terminating zero. */
-enum { SHORTEST_SIZE = 25 };
-
 struct shortest {
-    char text[SHORTEST_SIZE];
+    char text[25]; /* room for the longest, -1.2345678901234567e-308, with its terminating zero */
 };
 
 /* Writes a number with the fewest digits that read back as the same number: 0.7 gives "0.7", where "%.17g"

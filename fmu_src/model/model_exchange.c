@@ -178,15 +178,10 @@ static bool change_regimes(struct scene_state *q)
         struct scene_instant at;
         scene_now(q, &at);
         const int event = regime_event(&at, j);
-        if (event < 0) {
-            continue;
+        if (event >= 0) {
+            transition_take_event(q, j, event, ode_regime_after(q, j, event), &at);
+            changed = true;
         }
-        if (SCENE_ANY_FRICTION && event > ODE_EVENT_LAW && event != ODE_EVENT_ZONE) {
-            transition_change_friction(q, j, (enum ode_event)event, &at);
-        } else {
-            transition_change_regime(q, j, ode_regime_after(q, j, event), &at);
-        }
-        changed = true;
     }
     motion_forget_integration(q);
     return changed;

@@ -4,7 +4,6 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "flight/flight.h"
 #include "model/state.h"
 #include "prescribed/prescribed.h"
 #include "scene/evaluate.h"
@@ -39,13 +38,13 @@ void motion_forget_integration(struct scene_state *q)
     }
 }
 
-enum model_status motion_open(struct model *m, const struct scene_values *v, const char *otherwise)
+enum model_status motion_open(struct model *m, const char *otherwise)
 {
     if (!SCENE_ANY_FREE) {
         return MODEL_OK;
     }
     const struct integrator_memory memory = {m->host.allocate, m->host.release};
-    return integrator_open(&m->integrator, v, &memory)
+    return integrator_open(&m->integrator, &m->state.values, &memory)
                ? MODEL_OK
                : model_report(m, MODEL_ERROR, "%s: %s.", otherwise, m->integrator.message);
 }
@@ -55,11 +54,6 @@ void motion_close(struct integrator *integrator)
     if (SCENE_ANY_FREE) {
         integrator_close(integrator);
     }
-}
-
-bool motion_has_history(const struct scene_values *v)
-{
-    return SCENE_ANY_FREE && solver_method(v) != SOLVER_METHOD_EVENT_DRIVEN;
 }
 
 static void begin_step(struct scene_state *q)
@@ -188,55 +182,6 @@ void motion_catch_up(struct model *m)
     }
 }
 
-/* Computes the body outputs of prescribed bodies. Inlined into foresee_reading, this code would make that
- * function save more registers at each call. */
-CONTACT_NOINLINE static void show_prescribed(struct scene_values *v, const struct scene_state *q)
-{
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (body_is_prescribed(v, i)) {
-            const struct body_state at = scene_body_now(q, i);
-            present_body(v, i, scene_displacement_of(q, i, at.moved), at.velocity);
-        }
-    }
-}
-
-/* Computes the body outputs after a deferred flight to `clock` [s]: a caller that has read outputs after the
- * previous step will probably read them again. The clock is passed by value, because reading it back just
- * after it was written costs more time. */
-static void foresee_reading(struct model *m, double clock)
-{
-    struct scene_values *v = &m->state.values;
-    const struct scene_state *q = &m->state.motion;
-    m->outputs = OUTPUTS_BODIES;
-    _Static_assert(((int)MOTION_PRESCRIBED & ~(int)MOTION_FIXED) != 0, "fixed bodies hide prescribed ones");
-    int others = 0; /* bits of the motions that are not free; costs one instruction for each body */
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (body_is_free(v, i)) {
-            const struct body_state at = flight_unforced_at(q, i, clock);
-            present_body(v, i, vec3_add(q->origin[i].displacement, at.moved), at.velocity);
-        } else {
-            others |= body_motion(v, i);
-        }
-    }
-    if (others & ~(int)MOTION_FIXED) {
-        show_prescribed(v, q);
-    }
-}
-
-bool motion_defer(struct model *m, double end_time)
-{
-    struct scene_state *q = &m->state.motion;
-    if (!SCENE_ANY_FREE || !flight_defer(q, end_time)) {
-        return false;
-    }
-    if (m->outputs != OUTPUTS_NONE && q->only_flies) {
-        foresee_reading(m, m->state.motion.clock);
-    } else {
-        m->outputs = OUTPUTS_NONE;
-    }
-    return true;
-}
-
 bool all_within(const void *from, const void *to, double most)
 {
     const char *end = to;
@@ -260,7 +205,7 @@ bool motion_is_finite(const struct scene_state *q)
     double sum = scene_time(q);
     sum += !SCENE_ANY_FREE || scene_is_force_element(q->v) ? 0.0 : q->dissipated + q->external_work;
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        const struct body_state at = scene_body_now(q, i);
+        const struct body_state at = scene_body_at(q, q->clock, i);
         const struct vec3 displacement = scene_displacement_of(q, i, at.moved);
         sum += displacement.x + displacement.y + displacement.z;
         sum += at.velocity.x + at.velocity.y + at.velocity.z;

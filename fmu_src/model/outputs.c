@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "contact/shape.h"
+#include "flight/flight.h"
 #include "model/state.h"
 #include "scene/evaluate.h"
 #include "scene/scene_jet.h"
@@ -199,18 +200,19 @@ static void put_contact_terms(struct scene_values *v, const struct scene_instant
 {
     const struct contact_jet *jet = &along->contact[contact];
     const struct contact_shape shape = scene_shape_met(at, contact);
-    const struct contact_geometry turned = {.normal = jet->normal[order]};
+    const struct vec3 normal = jet->normal[order];
+    /* the direction is towards the destination's centre (sphere) or the contact point (other shapes) */
+    const bool flipped = (contact_is_cylinder(&shape) || contact_is_torus(&shape)) && shape.side < 0;
     const bool within = is_shown_within(at, contact, &shape);
-    const struct vec3 arm = SCENE_ANY_TURNING
-                                ? along->turning[contact].source_arm[order]
-                                : vec3_scale(shape.side * shape.source_radius, jet->normal[order]);
+    const struct vec3 arm = SCENE_ANY_TURNING ? along->turning[contact].source_arm[order]
+                                              : vec3_scale(shape.side * shape.source_radius, normal);
     const struct vec3 source_point =
         vec3_add(position_term(at->v, along, contact_source(contact), order), arm);
     const double beyond = order == 0 ? contact_gap_beyond_ends(at->v, contact) : 0.0;
     put_contact_gap(v, contact, within ? jet->gap[order] : beyond);
     put_contact_gap_rate(v, contact, within ? jet->gap_rate[order] : 0.0);
     put_contact_distance(v, contact, distance_term(&shape, jet, order));
-    put_contact_direction(v, contact, contact_direction_of(&shape, &turned));
+    put_contact_direction(v, contact, flipped ? vec3_scale(-1.0, normal) : normal);
     put_contact_source_point(v, contact, source_point);
     /* by g n beyond the source's point, on the destination's surface */
     put_contact_point(v, contact,
@@ -282,9 +284,9 @@ static void put_instant(const struct scene_instant *at, struct scene_jet *along)
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const struct contact_geometry *g = &at->geometry[j];
         const struct contact_shape shape = scene_shape_met(at, j);
-        const struct contact_law law = scene_contact_law(at->q, j);
-        const enum contact_regime regime = (enum contact_regime)at->q->contact[j].regime;
-        const double force = contact_normal_force_of(&law, regime, g->gap, g->gap_rate);
+        /* rounding can make the smooth formula negative, so F_n is clipped unless the dashpot may pull */
+        const bool may_pull = contact_dashpot(at->v, j) == DASHPOT_UNCLAMPED;
+        const double force = may_pull ? at->normal_force[j] : fmax(at->normal_force[j], 0.0);
         along->contact[j] = (struct contact_jet){
             .separation = {at->separation[j]},
             .axis = {shape.solid.axis},
@@ -339,16 +341,46 @@ static void warn_of_missing_direction(struct model *m, const struct scene_instan
     }
 }
 
-static void update_bodies(struct model *m)
+/* Sets the outputs displacement, position and velocity of a body. */
+static void present_body(struct scene_values *v, const struct scene_state *q, int body, struct body_state at)
+{
+    const struct vec3 displacement = scene_displacement_of(q, body, at.moved);
+    put_body_displacement(v, body, displacement);
+    put_body_position(v, body, vec3_add(body_center(v, body), displacement));
+    put_body_velocity(v, body, at.velocity);
+}
+
+/* Computes the body outputs of `all` bodies at their present places, or of those that are not free. Inlined
+ * into outputs_foresee, this code would make that function save more registers at each call. */
+CONTACT_NOINLINE static void show_bodies(struct model *m, bool all)
 {
     struct scene_values *v = &m->state.values;
     const struct scene_state *q = &m->state.motion;
-    motion_catch_up(m);
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        const struct body_state at = scene_body_now(q, i);
-        present_body(v, i, scene_displacement_of(q, i, at.moved), at.velocity);
+        if (all || !body_is_free(v, i)) {
+            present_body(v, q, i, scene_body_at(q, q->clock, i));
+        }
     }
+}
+
+/* The clock is passed by value, because reading it back just after it was written costs more time. */
+void outputs_foresee(struct model *m, double clock)
+{
+    struct scene_values *v = &m->state.values;
+    const struct scene_state *q = &m->state.motion;
     m->outputs = OUTPUTS_BODIES;
+    _Static_assert(((int)MOTION_PRESCRIBED & ~(int)MOTION_FIXED) != 0, "fixed bodies hide prescribed ones");
+    int others = 0; /* bits of the motions that are not free; costs one instruction for each body */
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (body_is_free(v, i)) {
+            present_body(v, q, i, flight_unforced_at(q, i, clock));
+        } else {
+            others |= body_motion(v, i);
+        }
+    }
+    if (others & ~(int)MOTION_FIXED) {
+        show_bodies(m, false);
+    }
 }
 
 static void update_all(struct model *m)
@@ -380,17 +412,6 @@ static void update_all(struct model *m)
     warn_of_missing_direction(m, &at);
 }
 
-/* Whether no bodies overlap. */
-static bool all_are_apart(const struct scene_state *q)
-{
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (q->contact[j].regime != REGIME_APART) {
-            return false;
-        }
-    }
-    return true;
-}
-
 bool model_update_outputs(struct model *m, enum outputs wanted)
 {
     if (m->outputs >= wanted) {
@@ -401,10 +422,14 @@ bool model_update_outputs(struct model *m, enum outputs wanted)
     } else if (!model_apply_inputs(m)) {
         return false;
     }
-    update_bodies(m);
-    /* Overlapping bodies may need a warning, whichever outputs are wanted. */
-    if (wanted > OUTPUTS_BODIES || scene_is_force_element(&m->state.values) ||
-        !all_are_apart(&m->state.motion)) {
+    motion_catch_up(m);
+    show_bodies(m, true);
+    m->outputs = OUTPUTS_BODIES;
+    bool all = wanted > OUTPUTS_BODIES || scene_is_force_element(&m->state.values);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) { /* overlapping bodies may need a warning, whatever is wanted */
+        all = all || m->state.motion.contact[j].regime != (int32_t)REGIME_APART;
+    }
+    if (all) {
         update_all(m);
     }
     return true;
@@ -421,11 +446,6 @@ static enum outputs outputs_for(const struct model *m, const struct variable *va
     return given && m->state.initialized ? OUTPUTS_NONE : OUTPUTS_ALL;
 }
 
-bool variable_is_local(const struct variable *variable)
-{
-    return variable->causality >= VARIABLE_STATE;
-}
-
 enum model_status model_read(struct model *m, const struct variable *variable, double *value)
 {
     if (!model_update_outputs(m, outputs_for(m, variable))) {
@@ -439,7 +459,7 @@ enum model_status model_read(struct model *m, const struct variable *variable, d
             "the contact is damped, a later communication step; other outputs can be read).",
             variable->name);
     }
-    if (variable_is_local(variable)) {
+    if (variable->causality >= VARIABLE_STATE) {
         struct scene_instant now;
         scene_now(&m->state.motion, &now);
         *value = model_exchange_value(&now, variable);

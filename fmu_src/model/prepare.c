@@ -197,11 +197,12 @@ static enum model_status warn_of_conforming(struct model *m)
 }
 
 /*
- * A user may have meant a parameter to take effect that nothing reads. A parameter counts as set when it
- * differs from its start value: some importers set every parameter to its start value, and a warning for each
- * of them would hide the one that matters.
+ * Warns of each parameter that has been set and that nothing reads, naming the choice by which something
+ * would: a user may have meant the parameter to take effect. A parameter counts as set when it differs from
+ * its start value: some importers set every parameter to its start value, and a warning for each of them
+ * would hide the one that matters.
  */
-void model_warn_of_idle(struct model *m)
+static void warn_of_idle(struct model *m)
 {
     struct scene_values start;
     const struct variable *warned = NULL;
@@ -223,7 +224,9 @@ void model_warn_of_idle(struct model *m)
     }
 }
 
-enum model_status model_check_consistency(struct model *m)
+/* Checks the parameters for contradictions and reports the first; where there is none, the motion is at its
+ * start. */
+CONTACT_COLD static enum model_status check_consistency(struct model *m)
 {
     double numbers[2] = {0.0, 0.0};
     const char *refusal = scene_refusal(&m->state.values, numbers);
@@ -297,9 +300,7 @@ static void prepare_contact(struct scene_state *q, int contact)
     struct contact_state *state = &q->contact[contact];
     struct contact_parameters *fixed = &state->parameters;
     state->regime = (int32_t)REGIME_APART;
-    if (SCENE_ANY_AXIS && body_has_axis(contact_destination(contact))) {
-        fixed->axis = body_unit_axis(q->v, contact_destination(contact));
-    }
+    contact_fix_axes(q->v, contact, fixed);
     struct contact_shape shape = scene_contact_shape(q, contact);
     state->physics.normal = contact_default_normal(&shape);
     struct scene_instant at;
@@ -323,6 +324,31 @@ static void prepare_contact(struct scene_state *q, int contact)
     fixed->factors = model_factors(q, contact, fixed->diagonal);
 }
 
+/* Returns the orientation that a body starts with, the smallest rotation that takes z to its axis. */
+static struct quaternion start_orientation(const struct scene_values *v, int body)
+{
+    if (body_is_compound(body)) {
+        return quaternion_unit(body_initial_orientation(v, body));
+    }
+    return body_has_axis(body) ? quaternion_between(vec3_make(0.0, 0.0, 1.0), body_unit_axis(v, body))
+                               : quaternion_identity();
+}
+
+/* Sets orientations and angular velocities at the start. */
+static void place_rotations(struct scene_state *q)
+{
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        struct body_turn *origin = &q->turn_origin[i];
+        origin->orientation = !body_turn_is_prescribed(q->v, i) ? start_orientation(q->v, i)
+                              : body_is_compound(i)             ? q->path[i].orientation
+                                                                : quaternion_identity();
+        origin->angular_velocity =
+            body_turns_freely(q->v, i) ? body_initial_angular_velocity(q->v, i) : vec3_make(0.0, 0.0, 0.0);
+        q->turning.body[i] = *origin;
+    }
+    turning_take_axes(q);
+}
+
 void model_prepare(struct model *m)
 {
     struct scene_state *q = &m->state.motion;
@@ -341,7 +367,7 @@ void model_prepare(struct model *m)
         }
     }
     if (SCENE_ANY_ROTATION) {
-        turning_place(q);
+        place_rotations(q);
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         q->contact[j].side = 1;
@@ -353,4 +379,19 @@ void model_prepare(struct model *m)
     if (m->host.exchange) {
         motion_forget_integration(q);
     }
+}
+
+enum model_status model_exit_initialization(struct model *m)
+{
+    const enum model_status checked = check_consistency(m);
+    if (checked > MODEL_WARNING) {
+        return checked;
+    }
+    if (!m->host.exchange && motion_open(m, "Initialization failed") != MODEL_OK) {
+        return MODEL_ERROR;
+    }
+    warn_of_idle(m);
+    m->state.initialized = 1;
+    m->outputs = OUTPUTS_NONE;
+    return checked;
 }

@@ -30,9 +30,9 @@ static enum model_status put_derivative(const struct model *m, const struct line
                                         double times, double *value)
 {
     const bool is_rate = variable->causality == VARIABLE_RATE;
-    *value = times * (is_rate                       ? model_exchange_rate(&l->at, &l->along, variable)
-                      : variable_is_local(variable) ? 0.0
-                                                    : variable_value(variable, terms));
+    *value = times * (is_rate ? model_exchange_rate(&l->at, &l->along, variable)
+                      : variable->causality >= VARIABLE_STATE ? 0.0
+                                                              : variable_value(variable, terms));
     return isfinite(*value)
                ? MODEL_OK
                : model_report(m, MODEL_DISCARD,
@@ -63,6 +63,19 @@ enum model_status model_get_output_derivatives(struct model *m, const struct var
     return status;
 }
 
+/* Puts the change of the axis of a body of prescribed rotation by a change of the input axis. */
+static void move_axis(const struct scene_instant *at, int body, int component, double change,
+                      struct scene_jet *along)
+{
+    const double length = vec3_norm(body_prescribed_axis(at->v, body));
+    const struct vec3 e = quaternion_third_axis(at->turning.body[body].orientation);
+    struct vec3 by = {0.0, 0.0, 0.0};
+    *vec3_part(&by, component) = change / length;
+    by = vec3_axpy(by, -vec3_dot(by, e), e);
+    const struct quaternion turned = quaternion_rate(at->turning.body[body].orientation, vec3_cross(e, by));
+    along->orientation[body][1] = quaternion_axpy(along->orientation[body][1], 1.0, turned);
+}
+
 /* Moves one known along the path. An input has an effect only where it is in use: the motion inputs of a
  * prescribed body, the force and torque on a free one. A state of Model Exchange may be a known too. */
 static void move_inputs(const struct scene_instant *at, const struct variable *known, double change,
@@ -84,7 +97,7 @@ static void move_inputs(const struct scene_instant *at, const struct variable *k
     } else if (turns && known->row == ROW_body_prescribed_angular_velocity) {
         moved = &along->angular_velocity[i][1];
     } else if (turns && known->row == ROW_body_prescribed_axis) {
-        turning_jet_move_axis(at, i, known->component, change, along);
+        move_axis(at, i, known->component, change, along);
     } else if (SCENE_ANY_COMPOUND && turns && known->row == ROW_body_prescribed_orientation) {
         turning_jet_move_orientation(at, i, body_prescribed_orientation(at->v, i), known->component, change,
                                      along);
@@ -123,19 +136,6 @@ static void begin_path(const struct model *m, struct linear_model *l)
     }
 }
 
-/* Computes how the contacts change with the inputs along the path. */
-static void finish_path(const struct model *m, struct linear_model *l)
-{
-    if (!m->state.initialized) {
-        vary_laws(m, l);
-    }
-    jet_of_contacts(&l->at, NULL, true, &l->along);
-    if (SCENE_ANY_FREE && m->state.initialized && !m->host.exchange) {
-        /* The jump of an input that moves a body does the work that changes the energy stored in contacts. */
-        l->along.external_work[1] = jet_energies_of(l->at.q, &l->along, 1).stored;
-    }
-}
-
 /* Computes the changes of the unknowns along the path. Without seeds, `values` takes them one by one; with
  * seeds, *values grows by the sum of the changes, each times its seed. */
 static enum model_status put_changes(const struct model *m, struct linear_model *l,
@@ -145,7 +145,14 @@ static enum model_status put_changes(const struct model *m, struct linear_model 
     size_t place = 0;
     struct scene_values terms;
     double change;
-    finish_path(m, l);
+    if (!m->state.initialized) {
+        vary_laws(m, l);
+    }
+    jet_of_contacts(&l->at, NULL, true, &l->along);
+    if (SCENE_ANY_FREE && m->state.initialized && !m->host.exchange) {
+        /* The jump of an input that moves a body does the work that changes the energy stored in contacts. */
+        l->along.external_work[1] = jet_energies_of(l->at.q, &l->along, 1).stored;
+    }
     output_terms(m, &l->at, &l->along, 1, &terms);
     for (const struct variable *one = NULL;
          status == MODEL_OK && (one = next_variable(unknowns, one, &place)) != NULL;) {

@@ -95,14 +95,6 @@ struct contact_law model_law_slope(const struct model *m, int contact, double di
 /* Sets the paths of the bodies at the start by the inputs. */
 void model_start_paths(struct model *m);
 
-/* Checks the parameters for contradictions and reports the first; where there is none, the motion is at its
- * start. */
-CONTACT_COLD enum model_status model_check_consistency(struct model *m);
-
-/* Warns of each parameter that has been set and that nothing reads, naming the choice by which something
- * would. */
-CONTACT_COLD void model_warn_of_idle(struct model *m);
-
 /* Returns the name of the input of a body's rotation that cannot be in force, or NULL: an axis without
  * direction, an orientation that is no rotation, or an angular velocity that would tilt an axis that is
  * kept. */
@@ -121,29 +113,27 @@ bool model_tilts_axis(const struct scene_values *v, int body, struct vec3 a);
  * then unchanged, and other inputs may be set. */
 bool model_apply_inputs(struct model *m);
 
-/* Clears the marks of the inputs set at this communication point, once a step begins. */
-void model_close_inputs(struct model *m);
-
-/* Warns once of each prescribed body whose given derivative of displacement is not its prescribed
- * velocity. */
-void model_warn_of_rates(struct model *m);
+/* Takes over the inputs set at this communication point as a step begins, and clears their marks.
+ * MODEL_DISCARD: they cannot be taken over, and a message has said so. */
+enum model_status model_close_inputs(struct model *m);
 
 /* Computes at least the outputs `wanted` of the present instant. Returns false where the inputs cannot be
  * taken over. */
 bool model_update_outputs(struct model *m, enum outputs wanted);
 
+/* Computes the body outputs after a deferred flight to `clock` [s]: a caller that has read outputs after the
+ * previous step will probably read them again. */
+void outputs_foresee(struct model *m, double clock);
+
 /* Reports that an axis has no direction or would tilt that is kept, or that the inputs lead beyond the range
  * of numbers. */
 enum model_status model_refuse_inputs(const struct model *m);
 
-/* motion_open allocates the memory of the model's integrator for the method that v chooses; motion_close
- * frees that of any integrator.
+/* motion_open allocates the memory of the model's integrator for the method that the values choose;
+ * motion_close frees that of any integrator.
  * MODEL_ERROR: the integrator could not be opened; the message begins with `otherwise`. */
-enum model_status motion_open(struct model *m, const struct scene_values *v, const char *otherwise);
+enum model_status motion_open(struct model *m, const char *otherwise);
 void motion_close(struct integrator *integrator);
-
-/* Whether the solver's method uses a history that is not part of the saved state, as CVODE does. */
-bool motion_has_history(const struct scene_values *v);
 
 /* Begins the motion of bodies that are where they start: it settles the regimes of the contacts. */
 void motion_begin(struct scene_state *q);
@@ -156,9 +146,7 @@ bool motion_follow(struct scene_state *q, const struct body_path *next, bool jum
 /* Moves the motion to the end of the requested step. */
 enum model_status motion_advance(struct model *m, const struct step_request *request);
 
-/* Deferred steps (integrator_catch_up): motion_defer advances only the clock, and returns false where it may
- * not. motion_catch_up computes the motion of deferred steps. */
-bool motion_defer(struct model *m, double end_time);
+/* Computes the motion of deferred steps (integrator_catch_up). */
 void motion_catch_up(struct model *m);
 
 /* Whether all doubles from one place up to another have a magnitude of at most `most`, or are finite. */

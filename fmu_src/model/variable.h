@@ -19,7 +19,7 @@ enum variable_causality {
     VARIABLE_CALCULATED_PARAMETER,
     VARIABLE_INPUT,
     VARIABLE_OUTPUT,
-    /* local variables, which Model Exchange needs; they are computed when they are read */
+    /* local variables follow, which Model Exchange needs and which are computed when they are read */
     VARIABLE_STATE,      /* of the importer's integrator */
     VARIABLE_RATE,       /* d/dt of a state */
     VARIABLE_INDICATOR,  /* an event where it changes its sign */
@@ -42,9 +42,6 @@ struct variable {
     uint8_t reinit : 1;    /* for a state: whether events may make it jump */
     uint8_t tunable : 1;   /* 1: a parameter that may be set between steps, or a value that depends on one */
 };
-
-/* Whether the variable is local, so that it is computed when it is read. */
-bool variable_is_local(const struct variable *variable);
 
 /* Read and write the value of a variable that is not local, as a number. */
 double variable_value(const struct variable *variable, const struct scene_values *values);

@@ -101,24 +101,6 @@ CONTACT_NOINLINE static void instant_at(const struct span *s, double clock, cons
     scene_forces(met, at);
 }
 
-/* Sets the sum of the lengths of both lever arms [m]. Returns a bound of the speeds that the bodies'
- * rotations give the contact points [m/s]. */
-static double speed_of_arms(const struct span *s, const struct scene_instant *at, double *arm)
-{
-    const int j = s->contact;
-    if (!SCENE_ANY_TURNING || !scene_turns(s->q->v)) {
-        *arm = vec3_norm(at->separation[j]);
-        return 0.0;
-    }
-    *arm = vec3_norm(at->turning.source_arm[j]) + vec3_norm(at->turning.destination_arm[j]);
-    if (contact_resists(s->q->v, j)) { /* |M| is at most F_n times these levers */
-        for (int i = 1; i < OPPOSED; ++i) {
-            *arm += scene_friction_law(s->q, j, i).coefficient;
-        }
-    }
-    return *arm * turning_spin_size(at, j);
-}
-
 /* Returns the integrands at an instant. */
 static struct integrals integrands_at(const struct span *s, const struct scene_instant *at)
 {
@@ -128,9 +110,16 @@ static struct integrals integrands_at(const struct span *s, const struct scene_i
     const struct contact_geometry *g = &at->geometry[j];
     const double force = vec3_norm(at->source_force[j]);
     const struct contact_impulses impulse_rates = scene_impulse_rates(at, j);
-    double arm;
+    double arm = vec3_norm(at->separation[j]); /* length of both lever arms together [m] */
+    double turning = 0.0; /* bound of the speeds that rotations give the contact points [m/s] */
     memcpy(now.sum, &impulse_rates, TERM_DISSIPATED * sizeof now.sum[0]);
-    const double turning = speed_of_arms(s, at, &arm);
+    if (SCENE_ANY_TURNING && scene_turns(s->q->v)) {
+        arm = vec3_norm(at->turning.source_arm[j]) + vec3_norm(at->turning.destination_arm[j]);
+        for (int i = 1; contact_resists(s->q->v, j) && i < OPPOSED; ++i) {
+            arm += scene_friction_law(s->q, j, i).coefficient; /* |M| is at most F_n times these levers */
+        }
+        turning = arm * turning_spin_size(at, j);
+    }
     const double speed = vec3_norm(at->velocity[contact_source(j)]) +
                          vec3_norm(at->velocity[contact_destination(j)]) + turning;
     for (int k = 0; k < TERMS; ++k) {
@@ -417,17 +406,6 @@ static int event_passed(const struct panel_node *now, const struct panel_node *s
     return ODE_EVENT_GAP;
 }
 
-/* Sets the regimes and springs after an event. */
-static void take_event_of(const struct span *s, int event)
-{
-    const struct contact_law law = scene_contact_law(s->q, s->contact);
-    if (event == ODE_EVENT_LAW) {
-        transition_set_regime(s->q, s->contact, contact_regime_after(&law, regime_of(s)));
-    } else if (SCENE_ANY_FRICTION) {
-        turning_take_event(s->q, s->contact, (enum ode_event)event);
-    }
-}
-
 /* Largest difference of a panel and its halves, divided by the size of their terms. The order 14 of the rule
  * makes the error of the halves much smaller than this difference. */
 static const double PANELS_AGREE = 1e-12;
@@ -543,16 +521,6 @@ static bool events_may_dip(const struct panel half[2])
     return false;
 }
 
-/* Returns the first node of a panel before which a regime ends, or PANEL_PLACES if none does. */
-static int place_passed(const struct panel half[2])
-{
-    int i = 1;
-    while (i < PANEL_PLACES && event_passed(panel_node_at(half, i), &half[0].node[0]) == ODE_EVENT_GAP) {
-        ++i;
-    }
-    return i;
-}
-
 /* Panels that are computed for each one that the quadrature counts: a panel and its two halves. */
 enum { PANELS_COMPARED = 3 };
 
@@ -604,7 +572,12 @@ static bool pass_event(struct span *s, const struct panel half[2], int passed)
     }
     take_panels(s, &panel, 1);
     lay_springs(s->q, s->contact);
-    take_event_of(s, event);
+    if (event == ODE_EVENT_LAW) {
+        const struct contact_law law = scene_contact_law(s->q, s->contact);
+        transition_set_regime(s->q, s->contact, contact_regime_after(&law, regime_of(s)));
+    } else if (SCENE_ANY_FRICTION) {
+        turning_take_event(s->q, s->contact, (enum ode_event)event);
+    }
     counter_add(&s->q->counters.events, 1);
     return true;
 }
@@ -776,7 +749,11 @@ CONTACT_NOINLINE static bool integrate_between(struct span *s, double end)
             width = 0.5 * (to - q->clock);
             continue;
         }
-        const int passed = s->has_events ? place_passed(half) : PANEL_PLACES;
+        int passed = s->has_events ? 1 : PANEL_PLACES; /* the first node before which a regime ends */
+        while (passed < PANEL_PLACES &&
+               event_passed(panel_node_at(half, passed), &half[0].node[0]) == ODE_EVENT_GAP) {
+            ++passed;
+        }
         if (passed < PANEL_PLACES) {
             width = pass_event(s, half, passed) ? 2.0 * width : 0.5 * (to - q->clock);
             continue;
@@ -854,23 +831,6 @@ double prescribed_integrate(struct scene_state *q, double end, long *budget)
 static const long SEARCH_BUDGET = 1000000;
 enum { TUMBLING_EVALUATION = 20 };
 
-/* Sets *next to the clock of the next touch or parting, or to `end`. Returns false where the evaluations that
- * the step may take (*s->evaluations) are used up. */
-static bool finds_change(const struct span *s, double end, double *next)
-{
-    struct scene_instant at;
-    const double clock = s->q->clock;
-    if (*s->evaluations <= 0) {
-        return false;
-    }
-    kinematics_at(s->q, clock, &at);
-    const struct advancement_path path = advancement_path_of(&at, clock, s->contact);
-    const struct advancement_result found = advancement_first(&path, end - clock, *s->evaluations);
-    *s->evaluations -= found.evaluations;
-    *next = found.after < end - clock ? clock + found.after : end;
-    return *next < end || !(found.searched < end - clock);
-}
-
 /* Begins or ends contact. Energy that is stored there other than zero, as at the end of a finite cylinder or
  * by a jump of the regime, counts as dissipated. */
 static void change_contact(struct span *s)
@@ -889,13 +849,23 @@ static void change_contact(struct span *s)
     counter_add(&s->q->counters.events, 1);
 }
 
-/* Integrates from touch to parting to touch. */
+/* Integrates from touch to parting to touch. Returns false where the panels or the evaluations that the step
+ * may take are used up. */
 static bool integrate_located(struct span *s, double end)
 {
     while (s->q->clock < end) {
-        double next;
-        if ((*s->panels)-- <= 0 || /* each change costs a panel, so that the loop ends */
-            !finds_change(s, end, &next) || (regime_of(s) != REGIME_APART && !integrate_between(s, next))) {
+        struct scene_instant at;
+        const double clock = s->q->clock;
+        if ((*s->panels)-- <= 0 || *s->evaluations <= 0) { /* each change costs a panel: the loop ends */
+            return false;
+        }
+        kinematics_at(s->q, clock, &at);
+        const struct advancement_path path = advancement_path_of(&at, clock, s->contact);
+        const struct advancement_result found = advancement_first(&path, end - clock, *s->evaluations);
+        const double next = found.after < end - clock ? clock + found.after : end;
+        *s->evaluations -= found.evaluations;
+        if ((next == end && found.searched < end - clock) ||
+            (regime_of(s) != REGIME_APART && !integrate_between(s, next))) {
             return false;
         }
         s->q->clock = next;
@@ -948,16 +918,6 @@ void prescribed_begin(struct scene_state *q)
 
 #endif
 
-/* Whether nothing moves against anything, so that the force of the present is the mean. */
-static bool is_steady(const struct span *s)
-{
-    struct scene_instant at;
-    kinematics_at(s->q, s->q->clock, &at);
-    const struct separation_path path = separation_path_of(&at, s->q->clock, s->contact);
-    return !scene_turns(s->q->v) && path_is_steady(path.c, SEPARATION_DEGREE + 1) &&
-           path_is_steady(path.w, SEPARATION_DEGREE);
-}
-
 bool prescribed_over(struct scene_state *q, double length, long panels)
 {
     const double start = q->clock;
@@ -971,7 +931,11 @@ bool prescribed_over(struct scene_state *q, double length, long panels)
         }
         s.evaluations = &evaluations;
         s.panel_cost += (long)fmin(steps / STEPS_OF_PANEL, PRESCRIBED_PANELS);
-        if (is_steady(&s)) {
+        struct scene_instant at;
+        kinematics_at(q, start, &at);
+        const struct separation_path path = separation_path_of(&at, start, j);
+        if (!scene_turns(q->v) && path_is_steady(path.c, SEPARATION_DEGREE + 1) &&
+            path_is_steady(path.w, SEPARATION_DEGREE)) { /* the force of the present is the mean */
             if (regime_of(&s) != REGIME_APART) {
                 add_instant(&s, start, length);
             }

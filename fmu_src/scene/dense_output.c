@@ -231,16 +231,6 @@ struct event_place dense_output_largest(struct dense_output *w, const struct eve
 const struct event_function dense_output_force = {PAIR_FORCE, 1.0, 0.0};
 const struct event_function dense_output_penetration = {PAIR_GAP, -1.0, 0.0};
 
-static void put_sample(const struct contact_jet *jet, struct pair_sample *sample)
-{
-    for (int i = 0; i < JET_TERMS; ++i) {
-        const double factor = i < 2 ? 1.0 : 2.0; /* a derivative is the coefficient times i! */
-        sample->of[PAIR_GAP][i] = factor * jet->gap[i];
-        sample->of[PAIR_GAP_RATE][i] = factor * jet->gap_rate[i];
-        sample->of[PAIR_FORCE][i] = factor * jet->normal_force[i];
-    }
-}
-
 /* Samples the scene; serves as a dense_output_sampler, whose variable is the clock [s]. */
 static void sample_scene(const void *output, double clock, struct pair_sample *sample)
 {
@@ -257,9 +247,17 @@ static void sample_scene(const void *output, double clock, struct pair_sample *s
     if (o->move) {
         o->move(o->mover, clock, &q);
     }
-    scene_evaluate(&q, clock, alone ? met : NULL, &at);
+    scene_place_bodies(&q, clock, &at);
+    scene_meet(alone ? met : NULL, &at);
+    scene_forces(alone ? met : NULL, &at);
     jet_of_motion(&at, met, &along);
-    put_sample(&along.contact[o->contact], sample);
+    for (int i = 0; i < JET_TERMS; ++i) {
+        const struct contact_jet *jet = &along.contact[o->contact];
+        const double factor = i < 2 ? 1.0 : 2.0; /* a derivative is the coefficient times i! */
+        sample->of[PAIR_GAP][i] = factor * jet->gap[i];
+        sample->of[PAIR_GAP_RATE][i] = factor * jet->gap_rate[i];
+        sample->of[PAIR_FORCE][i] = factor * jet->normal_force[i];
+    }
     if (SCENE_ANY_CURVED && singularity_rate(&at, o->contact) != at.geometry[o->contact].gap_rate) {
         sample->of[PAIR_GAP][1] = singularity_rate(&at, o->contact);
         sample->of[PAIR_FORCE][0] = scene_outward_force(&at, o->contact);

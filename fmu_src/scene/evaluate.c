@@ -174,16 +174,6 @@ static struct quaternion turned_to(struct quaternion orientation, struct vec3 ax
     return quaternion_unit(quaternion_product(turn, orientation));
 }
 
-/* Returns the orientation that a body starts with, the smallest rotation that takes z to its axis. */
-static struct quaternion start_orientation(const struct scene_values *v, int body)
-{
-    if (body_is_compound(body)) {
-        return quaternion_unit(body_initial_orientation(v, body));
-    }
-    return body_has_axis(body) ? quaternion_between(vec3_make(0.0, 0.0, 1.0), body_unit_axis(v, body))
-                               : quaternion_identity();
-}
-
 /* Returns the orientation q at `clock` from that at 0, under the angular velocity omega(t) = sum omega_i
  * t^i. */
 static struct quaternion turned_by(const struct vec3 *omega, double clock, struct quaternion q)
@@ -258,20 +248,6 @@ static struct body_turn turn_at(const struct scene_state *q, double clock, int b
     struct body_turn turn = q->turning.body[body];
     turn.orientation = quaternion_unit(turn.orientation); /* an importer's integrator lets its length drift */
     return turn;
-}
-
-void turning_place(struct scene_state *q)
-{
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        struct body_turn *origin = &q->turn_origin[i];
-        origin->orientation = !body_turn_is_prescribed(q->v, i) ? start_orientation(q->v, i)
-                              : body_is_compound(i)             ? q->path[i].orientation
-                                                                : quaternion_identity();
-        origin->angular_velocity =
-            body_turns_freely(q->v, i) ? body_initial_angular_velocity(q->v, i) : vec3_make(0.0, 0.0, 0.0);
-        q->turning.body[i] = *origin;
-    }
-    turning_take_axes(q);
 }
 
 /* Sets arms and slip of a contact whose geometry is known, by its shape. */
@@ -393,7 +369,7 @@ struct vec3 scene_displacement_of(const struct scene_state *q, int body, struct 
     return vec3_add(origin_of(q, body), moved);
 }
 
-static struct body_state body_at(const struct scene_state *q, double clock, int body)
+struct body_state scene_body_at(const struct scene_state *q, double clock, int body)
 {
     if (body_is_free(q->v, body)) {
         return q->body[body];
@@ -404,11 +380,6 @@ static struct body_state body_at(const struct scene_state *q, double clock, int 
                                    path_at(path->velocity, 3, clock)};
     }
     return (struct body_state){.moved = {0.0, 0.0, 0.0}};
-}
-
-struct body_state scene_body_now(const struct scene_state *q, int body)
-{
-    return body_at(q, q->clock, body);
 }
 
 /* Returns the rate of the separation c in the frame of the contact's shape [m/s], which turns with the
@@ -450,6 +421,26 @@ static inline bool is_met(const bool *met, int contact)
     return SCENE_CONTACTS == 1 || met == NULL || met[contact];
 }
 
+/* A distance d may count as zero only below this fraction of the bodies' size (contact_reach, gap_terms). */
+static const double CENTRE = 1e-9;
+
+/* Keeps the last valid n of a source that is led along in the centre, where rounding would turn n. At a
+ * circle n stays across it. */
+CONTACT_COLD CONTACT_NOINLINE static void keep_normal(int contact, struct vec3 rate, struct scene_instant *at)
+{
+    const struct contact_shape shape = scene_shape_met(at, contact);
+    struct contact_geometry *g = &at->geometry[contact];
+    struct vec3 last = at->q->contact[contact].physics.normal;
+    if (contact_is_circle(&shape)) {
+        last = vec3_axpy(last, -vec3_dot(last, g->circumferential), g->circumferential);
+    }
+    if (rounding_of_normal(at, contact) >= 1.0) {
+        g->degenerate = true;
+        g->normal = singularity_escape(&shape, last, shape.axis, g->normal);
+        g->gap_rate = shape.side * vec3_dot(g->normal, rate);
+    }
+}
+
 void scene_meet(const bool *met, struct scene_instant *at)
 {
     const bool turns = scene_turns(at->v);
@@ -460,8 +451,11 @@ void scene_meet(const bool *met, struct scene_instant *at)
         put_separation(j, at);
         const struct contact_shape shape = scene_contact_shape_at(at, j);
         const struct vec3 rate = rate_in_destination(at, j);
-        at->geometry[j] =
-            contact_geometry_at(&shape, at->separation[j], rate, at->q->contact[j].physics.normal);
+        struct contact_geometry *g = &at->geometry[j];
+        *g = contact_geometry_at(&shape, at->separation[j], rate, at->q->contact[j].physics.normal);
+        if (SCENE_ANY_CURVED && g->distance < CENTRE * g->gap_terms && contact_is_prescribed(at->v, j)) {
+            keep_normal(j, rate, at);
+        }
         if (turns) {
             put_arms_and_slip(&shape, j, at);
         }
@@ -482,7 +476,7 @@ void scene_place_bodies(const struct scene_state *q, double clock, struct scene_
     at->q = q;
     at->clock = clock;
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        scene_place_body(body_at(q, clock, i), i, at);
+        scene_place_body(scene_body_at(q, clock, i), i, at);
         if (turns) {
             at->turning.body[i] = turn_at(q, clock, i);
         }
@@ -548,13 +542,6 @@ void scene_forces(const bool *met, struct scene_instant *at)
         }
         accelerate(j, at);
     }
-}
-
-void scene_evaluate(const struct scene_state *q, double clock, const bool *met, struct scene_instant *at)
-{
-    scene_place_bodies(q, clock, at);
-    scene_meet(met, at);
-    scene_forces(met, at);
 }
 
 void scene_put_contact_forces(const struct vec3 *force, const struct vec3 *torque, const bool *met,
@@ -922,9 +909,6 @@ double turning_normal_force_rate(const struct scene_instant *at, int contact)
     return slopes.by_gap * g->gap_rate + by_rate;
 }
 
-/* A distance d may count as zero only below this fraction of the bodies' size (contact_reach). */
-static const double CENTRE = 1e-9;
-
 bool singularity_is_reached(const struct scene_instant *at, int contact, const struct contact_shape *shape)
 {
     const struct contact_geometry *g = &at->geometry[contact];
@@ -1117,18 +1101,6 @@ static void advance_base(struct scene_state *q)
     q->clock = 0.0;
 }
 
-/* Moves the origins of free bodies to their present places. */
-static void shift_origins(struct scene_state *q)
-{
-    q->deferrable_clock = 0.0;
-    q->phase.end = 0.0;
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        q->origin[i].displacement = vec3_add(q->origin[i].displacement, q->body[i].moved);
-        q->origin[i].velocity = q->body[i].velocity;
-        q->body[i].moved = vec3_make(0.0, 0.0, 0.0);
-    }
-}
-
 /* Shifts the stored clocks of contacts to the new origin of the clock. */
 static void shift_clocks(struct scene_state *q)
 {
@@ -1149,7 +1121,13 @@ void scene_rebase(struct scene_state *q)
 {
     q->integrator_fresh = 1;
     if (SCENE_ANY_FREE) {
-        shift_origins(q);
+        q->deferrable_clock = 0.0;
+        q->phase.end = 0.0;
+    }
+    for (int i = 0; SCENE_ANY_FREE && i < SCENE_BODIES; ++i) {
+        q->origin[i].displacement = vec3_add(q->origin[i].displacement, q->body[i].moved);
+        q->origin[i].velocity = q->body[i].velocity;
+        q->body[i].moved = vec3_make(0.0, 0.0, 0.0);
     }
     if (scene_turns(q->v)) {
         turning_rebase(q);
@@ -1239,11 +1217,4 @@ struct scene_powers scene_powers_of_contact(const struct scene_instant *at, int 
         power.friction -= vec3_dot(at->turning.resistance[contact], turning_spin(at, contact));
     }
     return power;
-}
-
-void present_body(struct scene_values *v, int body, struct vec3 displacement, struct vec3 velocity)
-{
-    put_body_displacement(v, body, displacement);
-    put_body_position(v, body, vec3_add(body_center(v, body), displacement));
-    put_body_velocity(v, body, velocity);
 }

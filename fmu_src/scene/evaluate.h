@@ -67,9 +67,9 @@ bool scene_is_hertz(const struct scene_values *v, int contact);
 /* Whether a contact has Hertz's law and its damping follows from the speed at each onset. */
 bool scene_damps_by_onset(const struct scene_values *v, int contact);
 
-/* The first function returns the motion of one body at the present clock of q, the second u [m] of a body
- * that has `moved` [m] since clock 0. */
-struct body_state scene_body_now(const struct scene_state *q, int body);
+/* The first function returns the motion of one body at a clock, for a free body the motion that q holds; the
+ * second returns u [m] of a body that has `moved` [m] since clock 0. */
+struct body_state scene_body_at(const struct scene_state *q, double clock, int body);
 struct vec3 scene_displacement_of(const struct scene_state *q, int body, struct vec3 moved);
 
 /*
@@ -84,9 +84,6 @@ void scene_place_body(struct body_state state, int body, struct scene_instant *a
 
 /* Computes the geometry of the contacts of an instant that has the motion of the bodies. */
 void scene_meet(const bool *met, struct scene_instant *at);
-
-/* Computes the kinematics, accelerations and forces of the instant in the regimes of q. */
-void scene_evaluate(const struct scene_state *q, double clock, const bool *met, struct scene_instant *at);
 
 /* Returns the shape of a contact with the destination's axis at the instant. */
 struct contact_shape scene_contact_shape_at(const struct scene_instant *at, int contact);
@@ -168,9 +165,6 @@ void turning_complete(struct scene_instant *at);
 /* Turns bodies of prescribed rotation to the axes of new paths by the smallest rotation. */
 void turning_take_axes(struct scene_state *q);
 
-/* Sets orientations and angular velocities at the start. */
-void turning_place(struct scene_state *q);
-
 /* Returns a bound of the rounding error of the gap [m], below which the sign of the gap means nothing: eight
  * roundings of locations, displacements and radii, from which the gap is computed. For a shell that the
  * source nearly fills, the difference of the radii counts instead, which is exact. */
@@ -202,7 +196,7 @@ double rounding_of_force(const struct scene_instant *at, int contact);
 double rounding_margin_offset(const struct scene_instant *at, int contact, double tolerated);
 
 /*
- * Torques, angular accelerations and rates of springs at an instant (scene_evaluate). Frame: world; SI units.
+ * Torques, angular accelerations and rates of springs at an instant with forces. Frame: world; SI units.
  * A contact that is apart has zero torques and a zero rate of its spring.
  */
 
@@ -347,8 +341,5 @@ struct scene_powers {
     double dissipated, external, friction;
 };
 struct scene_powers scene_powers_of_contact(const struct scene_instant *at, int contact);
-
-/* Sets the outputs displacement, position and velocity of a body. */
-void present_body(struct scene_values *v, int body, struct vec3 displacement, struct vec3 velocity);
 
 #endif

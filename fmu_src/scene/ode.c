@@ -65,24 +65,6 @@ static void find_groups(const struct scene_state *q, int of_body[SCENE_BODIES], 
     }
 }
 
-/* Lays out those states of one group on which the rates of other states depend. */
-static void lay_out_group(const struct scene_values *v, const bool has[SCENE_BODIES],
-                          const int of_body[SCENE_BODIES], int group, struct ode_layout *layout)
-{
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (of_body[i] == group) {
-            layout->body[i] = take_states(has[i] && body_is_free(v, i), BODY_STATES, layout);
-            layout->spin[i] = take_states(has[i] && body_turns_freely(v, i), 3, layout);
-            layout->orientation[i] = take_states(layout->spin[i] >= 0 && body_tips(v, i), 4, layout);
-        }
-    }
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        for (int i = 0; layout->island[j] == group && i < OPPOSED; ++i) {
-            layout->spring[j][i] = take_states(contact_has_spring(v, j, i), 3, layout);
-        }
-    }
-}
-
 struct ode_layout ode_layout_of(const struct scene_values *v, const struct scene_state *q)
 {
     struct ode_layout layout;
@@ -93,8 +75,19 @@ struct ode_layout ode_layout_of(const struct scene_values *v, const struct scene
     find_groups(q, of_body, &layout);
     memset(layout.spring, -1, sizeof layout.spring);
     memset(layout.spin, -1, sizeof layout.spin);
-    for (int group = 0; group < layout.groups; ++group) {
-        lay_out_group(v, has, of_body, group, &layout);
+    for (int group = 0; group < layout.groups; ++group) { /* the states on which rates of others depend */
+        for (int i = 0; i < SCENE_BODIES; ++i) {
+            if (of_body[i] == group) {
+                layout.body[i] = take_states(has[i] && body_is_free(v, i), BODY_STATES, &layout);
+                layout.spin[i] = take_states(has[i] && body_turns_freely(v, i), 3, &layout);
+                layout.orientation[i] = take_states(layout.spin[i] >= 0 && body_tips(v, i), 4, &layout);
+            }
+        }
+        for (int j = 0; j < SCENE_CONTACTS; ++j) {
+            for (int i = 0; layout.island[j] == group && i < OPPOSED; ++i) {
+                layout.spring[j][i] = take_states(contact_has_spring(v, j, i), 3, &layout);
+            }
+        }
         layout.group_end[group] = layout.size;
     }
     layout.coupled = layout.size;
@@ -228,14 +221,6 @@ void turning_friction_events(const struct scene_instant *at, int contact, double
     }
 }
 
-/* Returns the relative acceleration of the bodies by everything but the contact itself [m/s^2]. */
-static struct vec3 acceleration_by_others(const struct scene_instant *at, int contact)
-{
-    const struct vec3 all =
-        vec3_sub(at->acceleration[contact_destination(contact)], at->acceleration[contact_source(contact)]);
-    return vec3_axpy(all, scene_inverse_mass(at->v, contact), at->source_force[contact]);
-}
-
 /* Where the bodies are at relative rest, n takes the direction of the acceleration by other contacts. No
  * other direction persists, because the contact's own force acts along c. */
 void ode_leave_centres(struct scene_state *q)
@@ -252,7 +237,10 @@ void ode_leave_centres(struct scene_state *q)
         if (at.geometry[j].degenerate && (!loaded || contact_is_coupled(q, j))) {
             const struct contact_shape shape = scene_contact_shape(q, j);
             scene_now(q, &at); /* the direction of one contact changes the forces on the next */
-            const struct vec3 by_others = loaded ? acceleration_by_others(&at, j) : none;
+            const struct vec3 all =
+                vec3_sub(at.acceleration[contact_destination(j)], at.acceleration[contact_source(j)]);
+            const struct vec3 by_others = /* [m/s^2] */
+                loaded ? vec3_axpy(all, scene_inverse_mass(q->v, j), at.source_force[j]) : none;
             q->contact[j].physics.normal =
                 singularity_escape(&shape, at.rate[j], by_others, q->contact[j].physics.normal);
         }
@@ -424,9 +412,7 @@ struct scene_powers ode_powers(const struct scene_ode *ode, const struct scene_i
     return sum;
 }
 
-/* Writes the rates of all states at an instant. */
-static void put_scene_rates(const struct scene_ode *ode, const double *y, const struct scene_instant *at,
-                            double *rates)
+void ode_rates_at(const struct scene_ode *ode, const double *y, const struct scene_instant *at, double *rates)
 {
     const struct scene_values *v = ode->values;
     const struct ode_layout *layout = &ode->layout;
@@ -463,14 +449,7 @@ void ode_rates(const void *scene_ode, double clock, const double *y, double *rat
 {
     struct scene_instant at;
     ode_instant(scene_ode, clock, y, &at);
-    put_scene_rates(scene_ode, y, &at, rates);
-}
-
-void ode_rates_under(const struct scene_ode *ode, const double *y, const struct vec3 *force,
-                     const struct vec3 *torque, struct scene_instant *at, double *rates)
-{
-    scene_put_contact_forces(force, torque, ode->layout.met, at);
-    put_scene_rates(ode, y, at, rates);
+    ode_rates_at(scene_ode, y, &at, rates);
 }
 
 /* An orientation has the size 1. An impulse of torque has at least the size of momentum_scale at the lever
@@ -516,158 +495,141 @@ struct linearization {
 };
 
 /* Adds what the change along the path does to a contact, and by it to the rates of its bodies and springs, to
- * the column of a state that changes by `sign`. */
-static void add_contact(struct linearization *l, int contact, int column, double sign)
+ * a column. */
+static void add_contact(struct linearization *l, int contact, int column)
 {
     const struct scene_values *v = l->ode->values;
     const struct ode_layout *layout = &l->ode->layout;
     const struct turning_jet *turning = &l->along.turning[contact];
+    const struct vec3 force = l->along.contact[contact].source_force[1];
     double *rates = l->columns + column * layout->size;
     for (int end = 0; end < 2; ++end) {
         const int body = end == 0 ? contact_source(contact) : contact_destination(contact);
         if (layout->body[body] >= 0) {
-            vec3_add_to((end == 0 ? sign : -sign) / body_mass(v, body),
-                        l->along.contact[contact].source_force[1], rates + layout->body[body] + 3);
+            vec3_add_to((end == 0 ? 1.0 : -1.0) / body_mass(v, body), force, rates + layout->body[body] + 3);
         }
         if (SCENE_ANY_ROTATION && layout->spin[body] >= 0) {
             const struct vec3 *torque = end == 0 ? turning->source_torque : turning->destination_torque;
-            vec3_add_to(sign / body_inertia_of(v, body).x, body_part_that_turns(v, body, torque[1]),
+            vec3_add_to(1.0 / body_inertia_of(v, body).x, body_part_that_turns(v, body, torque[1]),
                         rates + layout->spin[body]);
         }
     }
     for (int i = 0; SCENE_ANY_SPRINGS && i < OPPOSED; ++i) {
         if (layout->spring[contact][i] >= 0) {
-            vec3_add_to(sign, turning_jet_spring_change(&l->at, &l->along, contact, i),
+            vec3_add_to(1.0, turning_jet_spring_change(&l->at, &l->along, contact, i),
                         rates + layout->spring[contact][i]);
         }
     }
-    const struct vec3 force = l->along.contact[contact].source_force[1];
     const struct scene_powers power = jet_powers_of_contact(l->at.q, &l->along, contact, 1);
     double *impulse = rates + layout->impulse[contact];
-    vec3_add_to(sign, force, impulse);
+    vec3_add_to(1.0, force, impulse);
     if (scene_turns(v)) {
-        vec3_add_to(sign, turning->destination_torque[1], impulse + 3);
-        vec3_add_to(sign, turning->source_torque[1], impulse + 6);
-        rates[layout->dissipated + 2] += sign * power.friction;
+        vec3_add_to(1.0, turning->destination_torque[1], impulse + 3);
+        vec3_add_to(1.0, turning->source_torque[1], impulse + 6);
+        rates[layout->dissipated + 2] += power.friction;
     } else if (SCENE_HAS_TORQUES) {
-        vec3_add_to(sign, vec3_cross(l->at.separation[contact], force), impulse + 3);
+        vec3_add_to(1.0, vec3_cross(l->at.separation[contact], force), impulse + 3);
     }
-    rates[layout->dissipated] += sign * power.dissipated;
-    rates[layout->dissipated + 1] += sign * power.external;
+    rates[layout->dissipated] += power.dissipated;
+    rates[layout->dissipated + 1] += power.external;
 }
 
-/* Adds what a contact does to the columns of the motion of both centres, of which it sees the difference, and
- * writes the columns of its springs. The centre that moves along the path is free, because a prescribed
- * velocity has a part in the external power. */
-static void add_columns_of_contact(struct linearization *l, int contact)
-{
-    const struct ode_layout *layout = &l->ode->layout;
-    const int to = contact_destination(contact);
-    const int from = contact_source(contact);
-    const int body[2] = {layout->body[to], layout->body[from]};
-    const int moved = body[0] >= 0 ? to : from;
-    for (int k = 0; k < BODY_STATES && (body[0] >= 0 || body[1] >= 0); ++k) {
-        struct vec3 *input = k < 3 ? &l->along.displacement[moved][1] : &l->along.velocity[moved][1];
-        *vec3_part(input, k % 3) = 1.0;
-        jet_of_contact(&l->at, contact, scene_turns(l->ode->values), &l->along);
-        for (int i = 0; i < 2; ++i) {
-            if (body[i] >= 0) {
-                add_contact(l, contact, body[i] + k, (i == 0) == (moved == to) ? 1.0 : -1.0);
-            }
-        }
-        *input = vec3_make(0.0, 0.0, 0.0);
-    }
-    for (int k = 0; SCENE_ANY_SPRINGS && k < 3 * OPPOSED; ++k) {
-        if (layout->spring[contact][k / 3] >= 0) {
-            struct vec3 *input = &l->along.spring[contact][k / 3][1];
-            *vec3_part(input, k % 3) = 1.0;
-            jet_of_contact(&l->at, contact, true, &l->along);
-            add_contact(l, contact, layout->spring[contact][k / 3] + k % 3, 1.0);
-            *input = vec3_make(0.0, 0.0, 0.0);
-        }
-    }
-}
-
-/* Changes component k of the orientation in y, a quaternion of any length, at constant L / I_1. As the body
- * turns by a vector r, its angular velocity omega = M L / I_1 changes by r x omega - M (r x L / I_1). */
-static void change_orientation(struct linearization *l, int body, int k)
+/* Changes state k of a body's rotation along the path: a component of L / I_1, or of the orientation in y, a
+ * quaternion of any length, at constant L / I_1. As the body turns by a vector r, its angular velocity
+ * omega = M L / I_1 changes by r x omega - M (r x L / I_1). Writes the change of the orientation's rate. */
+static void change_turn(struct linearization *l, int body, int k, double *rates)
 {
     const struct scene_values *v = l->ode->values;
+    const struct ode_layout *layout = &l->ode->layout;
     const struct body_turn *turn = &l->at.turning.body[body];
-    const struct quaternion q = quaternion_from(l->y + l->ode->layout.orientation[body]);
-    const struct vec3 spin = vec3_from(l->y + l->ode->layout.spin[body]);
-    const struct quaternion back = quaternion_inverse(turn->orientation);
-    struct scene_jet *along = &l->along;
-    turning_jet_move_orientation(&l->at, body, q, k, 1.0, along);
-    const struct vec3 r =
-        vec3_scale(2.0, quaternion_vector(quaternion_product(along->orientation[body][1], back)));
-    const struct vec3 turned = body_part_that_turns(v, body, vec3_cross(r, turn->angular_velocity));
-    const struct vec3 held = body_rotation_of(v, body, turn->orientation, vec3_cross(r, spin));
-    along->angular_velocity[body][1] = vec3_sub(turned, held);
+    const struct quaternion given = quaternion_from(l->y + layout->orientation[body]);
+    struct vec3 *change = &l->along.angular_velocity[body][1];
+    *change = body_rotation_of(v, body, turn->orientation, vec3_make(k == 0, k == 1, k == 2));
+    if (k >= 3) {
+        turning_jet_move_orientation(&l->at, body, given, k - 3, 1.0, &l->along);
+        const struct quaternion back = quaternion_inverse(turn->orientation);
+        const struct vec3 r =
+            vec3_scale(2.0, quaternion_vector(quaternion_product(l->along.orientation[body][1], back)));
+        const struct vec3 spin = vec3_from(l->y + layout->spin[body]);
+        const struct vec3 turned = body_part_that_turns(v, body, vec3_cross(r, turn->angular_velocity));
+        *change = vec3_sub(turned, body_rotation_of(v, body, turn->orientation, vec3_cross(r, spin)));
+    }
+    const struct quaternion by = {k == 3, k == 4, k == 5, k == 6};
+    const struct quaternion own = quaternion_rate(by, turn->angular_velocity);
+    quaternion_to(quaternion_axpy(quaternion_rate(given, *change), 1.0, own),
+                  rates + layout->orientation[body]);
 }
 
-/* Adds the columns of the spin and the orientation of a body. */
-static void add_columns_of_rotation(struct linearization *l, int body)
+/* Adds the columns of a body: place, velocity, L / I_1 and orientation. */
+static void add_columns_of_body(struct linearization *l, int body)
 {
     const struct ode_layout *layout = &l->ode->layout;
-    const int at = layout->orientation[body];
-    const struct quaternion given = quaternion_from(l->y + at);
     struct scene_jet *along = &l->along;
-    for (int k = 0; k < 7; ++k) {
-        const int index = k < 3 ? layout->spin[body] + k : at + k - 3;
-        struct quaternion by = {k == 3, k == 4, k == 5, k == 6};
-        if (k < 3) {
-            along->angular_velocity[body][1] =
-                body_rotation_of(l->ode->values, body, l->at.turning.body[body].orientation,
-                                 vec3_make(k == 0, k == 1, k == 2));
-        } else {
-            change_orientation(l, body, k - 3);
+    for (int k = 0; k < BODY_STATES + 7; ++k) {
+        const int first = k < BODY_STATES ? layout->body[body] : layout->spin[body];
+        if (first < 0) {
+            continue;
         }
-        by = quaternion_rate(by, l->at.turning.body[body].angular_velocity);
-        quaternion_to(quaternion_axpy(quaternion_rate(given, along->angular_velocity[body][1]), 1.0, by),
-                      l->columns + index * layout->size + at);
-        for (int j = 0; j < SCENE_CONTACTS && index < layout->coupled; ++j) {
+        const int column =
+            k < BODY_STATES + 3 ? first + k % BODY_STATES : layout->orientation[body] + k - BODY_STATES - 3;
+        double *rates = l->columns + column * layout->size;
+        if (SCENE_ANY_ROTATION && k >= BODY_STATES) {
+            change_turn(l, body, k - BODY_STATES, rates);
+        } else {
+            *vec3_part(k < 3 ? &along->displacement[body][1] : &along->velocity[body][1], k % 3) = 1.0;
+            rates[first + k % 3] = k < 3 ? 0.0 : 1.0; /* the rate of a place is a velocity */
+        }
+        for (int j = 0; j < SCENE_CONTACTS && column < layout->coupled; ++j) {
             if (l->ode->state->contact[j].regime != (int32_t)REGIME_APART &&
                 (contact_source(j) == body || contact_destination(j) == body)) {
-                jet_of_contact(&l->at, j, true, along);
-                add_contact(l, j, index, 1.0);
+                jet_of_contact(&l->at, j, scene_turns(l->ode->values), along);
+                add_contact(l, j, column);
             }
         }
-        along->angular_velocity[body][1] = vec3_make(0.0, 0.0, 0.0);
+        along->displacement[body][1] = along->velocity[body][1] = along->angular_velocity[body][1] =
+            vec3_make(0.0, 0.0, 0.0);
         along->orientation[body][1] = (struct quaternion){0.0, 0.0, 0.0, 0.0};
+    }
+}
+
+/* Adds the columns of the springs of a contact. */
+static void add_columns_of_springs(struct linearization *l, int contact)
+{
+    for (int k = 0; SCENE_ANY_SPRINGS && k < 3 * OPPOSED; ++k) {
+        const int spring = l->ode->layout.spring[contact][k / 3];
+        struct vec3 *input = &l->along.spring[contact][k / 3][1];
+        if (spring >= 0) {
+            *vec3_part(input, k % 3) = 1.0;
+            jet_of_contact(&l->at, contact, true, &l->along);
+            add_contact(l, contact, spring + k % 3);
+            *input = vec3_make(0.0, 0.0, 0.0);
+        }
     }
 }
 
 void ode_jacobian(const struct scene_ode *ode, double clock, const double *y, double *columns)
 {
     struct linearization l = {.ode = ode, .y = y, .columns = columns};
-    const int size = ode->layout.size;
-    memset(columns, 0, (size_t)size * (size_t)size * sizeof *columns);
+    const size_t size = (size_t)ode->layout.size;
+    memset(columns, 0, size * size * sizeof *columns);
     ode_instant(ode, clock, y, &l.at);
     jet_begin(&l.at, &l.along);
     l.along.terms = 2;
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        for (int k = 0; ode->layout.body[i] >= 0 && k < 3; ++k) { /* the rate of a place is a velocity */
-            columns[(ode->layout.body[i] + 3 + k) * size + ode->layout.body[i] + k] = 1.0;
-        }
-        if (SCENE_ANY_ROTATION && ode->layout.spin[i] >= 0) {
-            add_columns_of_rotation(&l, i);
-        }
+        add_columns_of_body(&l, i);
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (ode->state->contact[j].regime != (int32_t)REGIME_APART) {
-            add_columns_of_contact(&l, j);
+            add_columns_of_springs(&l, j);
         }
     }
 }
 
-/* Returns a tiny negative number in place of zero. A contact that starts at g = 0 then does not end at once,
- * no root is found twice, and CVODE never sees a function that stays at zero, which it rejects. 1e-100 is far
- * below any meaningful gap, rate or force, and leaves room for the root finder's products and quotients. */
-static double not_zero(double value)
-{
-    return fabs(value) < 1e-100 ? -1e-100 : value;
-}
+/* A tiny negative number takes the place of an event function that is zero. A contact that starts at g = 0
+ * then does not end at once, no root is found twice, and CVODE never sees a function that stays at zero,
+ * which it rejects. This number is far below any meaningful gap, rate or force, and leaves room for the root
+ * finder's products and quotients. */
+static const double NOT_ZERO = 1e-100;
 
 void ode_events_at(const struct scene_ode *ode, const struct scene_instant *at, double events[ODE_EVENTS])
 {
@@ -689,7 +651,8 @@ void ode_events_at(const struct scene_ode *ode, const struct scene_instant *at, 
             out[ODE_EVENT_ZONE] = zones_margin(at, j);
         }
         for (int i = 0; i < ODE_EVENTS_EACH; ++i) {
-            out[i] = not_zero(i > ODE_EVENT_LAW ? ode->offset[j][i] + out[i] : out[i]);
+            out[i] += i > ODE_EVENT_LAW ? ode->offset[j][i] : 0.0;
+            out[i] = fabs(out[i]) < NOT_ZERO ? -NOT_ZERO : out[i];
         }
     }
 }

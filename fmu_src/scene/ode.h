@@ -155,13 +155,12 @@ void ode_instant(const struct scene_ode *ode, double clock, const double *y, str
  * geometry of the contacts in touch, or of `all`; where scene_turns, also arms and slips, while it leaves the
  * orientations of spheres alone.
  * ode_rates_without_contact writes the rates of velocities and spins without the contact forces.
- * ode_rates_under completes an instant of ode_contact_motion by given forces [N] and resistances [N m] on the
- * sources, one of each for each contact, and writes the rates of all states. */
+ * ode_rates_at writes the rates of all states at an instant that has forces. */
 void ode_other_motion(const struct scene_ode *ode, double clock, struct scene_instant *at);
 void ode_contact_motion(const struct scene_ode *ode, const double *y, bool all, struct scene_instant *at);
 void ode_rates_without_contact(const struct scene_ode *ode, double clock, double *rates);
-void ode_rates_under(const struct scene_ode *ode, const double *y, const struct vec3 *force,
-                     const struct vec3 *torque, struct scene_instant *at, double *rates);
+void ode_rates_at(const struct scene_ode *ode, const double *y, const struct scene_instant *at,
+                  double *rates);
 
 /* Computes the event functions of friction and both resistances of a contact that rubs and transmits a force.
  * Each is raised by its `offset`, which the function sets. An offset is twice the error by rounding and by

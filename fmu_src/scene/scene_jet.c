@@ -596,18 +596,6 @@ void jet_of_motion(const struct scene_instant *at, const bool *met, struct scene
     put_contacts(at, met, along);
 }
 
-void turning_jet_move_axis(const struct scene_instant *at, int body, int component, double change,
-                           struct scene_jet *along)
-{
-    const double length = vec3_norm(body_prescribed_axis(at->v, body));
-    const struct vec3 e = quaternion_third_axis(at->turning.body[body].orientation);
-    struct vec3 by = {0.0, 0.0, 0.0};
-    *vec3_part(&by, component) = change / length;
-    by = vec3_axpy(by, -vec3_dot(by, e), e);
-    const struct quaternion turned = quaternion_rate(at->turning.body[body].orientation, vec3_cross(e, by));
-    along->orientation[body][1] = quaternion_axpy(along->orientation[body][1], 1.0, turned);
-}
-
 void turning_jet_move_orientation(const struct scene_instant *at, int body, struct quaternion given,
                                   int component, double change, struct scene_jet *along)
 {

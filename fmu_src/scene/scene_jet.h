@@ -83,10 +83,6 @@ CONTACT_COLD void turning_jet_move_orientation(const struct scene_instant *at, i
                                                struct quaternion given, int component, double change,
                                                struct scene_jet *along);
 
-/* Puts the change of the axis of a body of prescribed rotation by a change of the input axis. */
-CONTACT_COLD void turning_jet_move_axis(const struct scene_instant *at, int body, int component,
-                                        double change, struct scene_jet *along);
-
 /* Returns coefficient `order` of the sums of the forces and torques of the contacts of a body. */
 struct contact_load jet_load_on(const struct scene_jet *along, int body, int order);
 

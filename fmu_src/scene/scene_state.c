@@ -316,6 +316,21 @@ struct vec3 body_unit_axis(const struct scene_values *v, int body)
     return vec3_scale(1.0 / vec3_norm(axis), axis);
 }
 
+/* This function is not inlined: a restored state must have the bits that it gives, and a compiler that fuses
+ * operations may give other bits at each place of inlining. */
+CONTACT_NOINLINE void contact_fix_axes(const struct scene_values *v, int contact,
+                                       struct contact_parameters *fixed)
+{
+    if (SCENE_ANY_AXIS && body_has_axis(contact_destination(contact))) {
+        fixed->axis = body_unit_axis(v, contact_destination(contact));
+    }
+#if SCENE_ANY_SKEW
+    if (contact_has_skew_axes(v, contact)) {
+        fixed->skew = contact_skew_axes(body_unit_axis(v, contact_source(contact)), fixed->axis);
+    }
+#endif
+}
+
 /* Returns half of the length of a cylinder [m]. */
 static double half_of(const struct scene_values *v, int body)
 {
@@ -367,37 +382,42 @@ struct contact_shape scene_whole_shape(const struct scene_state *q, int contact)
             .axis = shape.axis, .radius = shape.other_radius, .half_height = shape.half_length};
         shape.half_length = (double)INFINITY; /* the gap goes on beyond the ends */
     }
+#if SCENE_ANY_SKEW
     if (contact_has_skew_axes(v, contact)) {
-        const int source = contact_source(contact);
-        contact_make_skew(&shape, body_unit_axis(v, source), half_of(v, source), half_of(v, destination));
+        struct skew_frame *frame = &shape.solid.skew;
+        shape.destination = SHAPE_SKEW;
+        *frame = q->contact[contact].parameters.skew;
+        for (int i = 0; i < 2; ++i) {
+            frame->half[i] = half_of(v, i == 0 ? contact_source(contact) : destination);
+            frame->reach[i] = frame->sine * frame->half[i];
+        }
     }
+#endif
     return shape;
 }
 
 struct contact_shape scene_contact_shape(const struct scene_state *q, int contact)
 {
-    const int zone = q->contact[contact].zone;
-    const struct contact_shape whole = scene_whole_shape(q, contact);
-    return SCENE_ANY_ZONES && zone != 0 ? contact_shape_in(&whole, zone) : whole;
+    struct contact_shape shape = scene_whole_shape(q, contact);
+    contact_enter_zone(&shape, q->contact[contact].zone);
+    return shape;
 }
 
 struct contact_shape scene_shape_met(const struct scene_instant *at, int contact)
 {
-    const struct contact_shape shape = scene_contact_shape_at(at, contact);
-    const int zone = at->geometry[contact].zone;
-    return SCENE_ANY_ZONES && zone != 0 ? contact_shape_in(&shape, zone) : shape;
+    struct contact_shape shape = scene_contact_shape_at(at, contact);
+    contact_enter_zone(&shape, at->geometry[contact].zone);
+    return shape;
 }
 
 struct contact_shape scene_contact_shape_at(const struct scene_instant *at, int contact)
 {
-    struct contact_shape shape = scene_contact_shape(at->q, contact);
+    struct contact_shape shape = scene_whole_shape(at->q, contact);
     if (contact_tips(at->v, contact)) {
         shape.axis = quaternion_third_axis(at->turning.body[contact_destination(contact)].orientation);
-        if (contact_is_capped(&shape)) {
-            shape.solid.axis = shape.axis;
-            shape = shape.solid.zone != 0 ? contact_shape_in(&shape, shape.solid.zone) : shape;
-        }
+        shape.solid.axis = contact_is_capped(&shape) ? shape.axis : shape.solid.axis;
     }
+    contact_enter_zone(&shape, at->q->contact[contact].zone);
     return shape;
 }
 

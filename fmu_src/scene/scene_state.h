@@ -71,6 +71,9 @@ struct contact_parameters {
     double diagonal;      /* of the bounding box of both bodies at the start [m] */
     double slip_velocity; /* v_0 of regularized friction [m/s] */
     struct vec3 axis;     /* e_d at the start, unit length; zero where the destination is a sphere */
+#if SCENE_ANY_SKEW
+    struct skew_frame skew; /* contact_skew_axes where the axes are skew, else zero */
+#endif
 };
 
 /* Impulses of the force on the source [N s], and of the torques about the bodies' centres [N m s]. */
@@ -215,13 +218,15 @@ struct scene_state {
      * copies these three numbers at once. */
     double dissipated, external_work, friction_energy;
     double step_length; /* length of the part of the last communication step that was completed [s] */
+    /* time from the start of a phase to the last touch [s]; 0 at the start and after new inputs */
+    double last_flight;
     struct body_path path[SCENE_BODIES];
     struct solver_counters counters;
     /* 1: integrators start from this state: neither CVODE's history nor `unfinished` matters */
     int32_t integrator_fresh;
     /* 1: the motion is deferred and stands at an earlier clock; see integrator_catch_up */
     int32_t deferred;
-    int32_t only_flies; /* 1: the deferred steps are flights in which nothing turns; see foresee_reading */
+    int32_t only_flies; /* 1: the deferred steps are flights in which nothing turns; see outputs_foresee */
     const struct scene_values *v; /* of the scene */
     double deferred_from;         /* the clock at which the last deferred step began [s] */
     struct phase_start phase;     /* used by event_driven */
@@ -274,6 +279,9 @@ bool contact_has_skew_axes(const struct scene_values *v, int contact);
 
 /* Returns the unit vector along the axis that a body has at the start. */
 struct vec3 body_unit_axis(const struct scene_values *v, int body);
+
+/* Sets those parameters of a contact that follow from the axes of its bodies. */
+void contact_fix_axes(const struct scene_values *v, int contact, struct contact_parameters *fixed);
 
 /* Whether a contact may have a friction force or resist rolling and spinning; whether it resists them. */
 bool contact_rubs(const struct scene_values *v, int contact);

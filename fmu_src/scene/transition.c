@@ -266,13 +266,6 @@ static void begin_friction(const struct rubbed *r)
     }
 }
 
-/* Puts a contact that slides into sticking, with the spring that holds the friction force. */
-static void stick(const struct rubbed *r, enum friction_regime regime, struct friction_state rubbing)
-{
-    *r->spring = friction_spring(&r->law, regime, rubbing);
-    *r->regime = (int32_t)FRICTION_STICKING;
-}
-
 /* Lets a contact slide that has slid up to now or, if it `breaks`, that has stuck. It sticks where the slip
  * no longer stretches the spring. Sliding ends so after a corner of the law, from where on the force falls
  * more slowly or rises, and after a prescribed velocity has jumped. A contact without a dashpot that breaks
@@ -299,7 +292,8 @@ static void slide(const struct rubbed *r, bool breaks)
     const double least = is_exact ? 0.0 : -tolerated_motion(&at, r->contact, r->part);
     if ((turns || !breaks) &&
         friction_stick_event(law, next, rubbing, turning_normal_force_rate(&at, r->contact)) < least) {
-        stick(r, next, rubbing);
+        *r->spring = friction_spring(law, next, rubbing); /* this spring holds the friction force */
+        *r->regime = (int32_t)FRICTION_STICKING;
     } else if (turns) {
         *r->spring = direction_to_slide(r, &at, rubbing.spring);
     }
@@ -365,7 +359,8 @@ void turning_take_event(struct scene_state *q, int contact, enum ode_event event
     } else if (sticks) {
         struct scene_instant at;
         scene_now(q, &at);
-        stick(&r, regime, turning_rubbing(&at, contact, r.part));
+        *r.spring = friction_spring(&r.law, regime, turning_rubbing(&at, contact, r.part));
+        *r.regime = (int32_t)FRICTION_STICKING;
     } else if (event == ODE_EVENT_CAP) {
         *r.regime = (int32_t)(regime == FRICTION_CAPPED ? FRICTION_SLIDING : FRICTION_CAPPED);
     } else {
@@ -435,36 +430,57 @@ CONTACT_FLATTEN static void note_instant(struct scene_state *q, const struct sce
     }
 }
 
-/* Returns the regime after a jump of n, with which the gap rate jumps too. Positions give the gap, the law
- * gives the regime for the new rate, and the spring of elastic friction begins at rest on the new face. */
-static enum contact_regime regime_at_jump(struct scene_state *q, struct scene_instant *at, int contact)
-{
-    q->contact[contact].physics.accumulated_gap = DBL_MAX;
-    scene_kinematics_now(q, at);
-    if (SCENE_ANY_FRICTION && contact_rubs(q->v, contact)) {
-        change_all(q, contact, end_friction);
-    }
-    return scene_regime(at, contact, true);
-}
-
-/* Passes into the contact's next zone and returns the regime there. The known gap is kept unless n jumps. */
+/* Passes into the contact's next zone and returns the regime there. The known gap is kept unless n jumps. If
+ * it does, the gap rate jumps too: positions give the gap, the law gives the regime for the new rate, and the
+ * spring of elastic friction begins at rest on the new face. */
 static enum contact_regime pass_zone(struct scene_state *q, struct scene_instant *at, int contact)
 {
-    if (zones_pass(q, at, contact)) {
-        return regime_at_jump(q, at, contact);
-    }
+    struct contact_state *state = &q->contact[contact];
+    const bool jumps = zones_pass(q, at, contact);
+    state->physics.accumulated_gap = jumps ? DBL_MAX : state->physics.accumulated_gap;
     if (SCENE_ANY_ZONES) {
         scene_kinematics_now(q, at);
     }
-    return (enum contact_regime)q->contact[contact].regime;
+    if (SCENE_ANY_FRICTION && jumps && contact_rubs(q->v, contact)) {
+        change_all(q, contact, end_friction);
+    }
+    return jumps ? scene_regime(at, contact, true) : (enum contact_regime)state->regime;
 }
 
-void transition_change_regime(struct scene_state *q, int contact, enum contact_regime regime,
-                              struct scene_instant *at)
+/* Lets friction without a dashpot stick where its limit now grows faster than the slip stretches the spring:
+ * gravity or the force of another contact on one of the bodies has jumped, and with it the rate of F_n. After
+ * a jump of another input transition_settle_regimes does so. */
+static inline void hold_springs(struct scene_state *q)
 {
-    const double lasted = q->clock;
-    scene_rebase(q);
-    scene_kinematics_now(q, at);
+    const bool may_hold = SCENE_ANY_SPRINGS && scene_turns(q->v);
+    for (int k = 0; may_hold && k < SCENE_CONTACTS * OPPOSED; ++k) {
+        if (!contact_has_spring(q->v, k / OPPOSED, k % OPPOSED) || !contact_transmits(q, k / OPPOSED)) {
+            continue;
+        }
+        const struct rubbed r = rubbed_of(q, k / OPPOSED, k % OPPOSED);
+        const enum friction_regime regime = (enum friction_regime) * r.regime;
+        if (!friction_compares_forces(&r.law, regime) && friction_has_spring(&r.law, regime)) {
+            struct scene_instant at;
+            scene_now(q, &at);
+            const struct friction_state rubbing = turning_rubbing(&at, r.contact, r.part);
+            const double rate = turning_normal_force_rate(&at, r.contact);
+            if (friction_stick_event(&r.law, regime, rubbing, rate) <
+                -tolerated_motion(&at, r.contact, r.part)) {
+                *r.spring = friction_spring(&r.law, regime, rubbing);
+                *r.regime = (int32_t)FRICTION_STICKING;
+            }
+        }
+    }
+}
+
+/* Puts a contact into a new regime, or into its next zone, at the instant `at` of scene_kinematics_now. The
+ * phase before has `lasted` so many seconds. */
+static void change_regime(struct scene_state *q, int contact, enum contact_regime regime, double lasted,
+                          struct scene_instant *at)
+{
+    if (q->contact[contact].regime == (int32_t)REGIME_APART) {
+        q->last_flight = lasted;
+    }
     note_instant(q, at);
     const double before = energy_stored(at);
     at->geometry[contact].gap = gap_at_change(at, contact, regime, lasted);
@@ -474,19 +490,25 @@ void transition_change_regime(struct scene_state *q, int contact, enum contact_r
     }
     transition_set_regime(q, contact, onset_note(q, at, contact, regime));
     zones_follow(q, at, contact);
+    hold_springs(q);
     q->dissipated += before - energy_stored(at); /* what the stored energy loses by the change */
-    counter_add(&q->counters.events, 1);
-    begin_phase(q, at);
-    note_instant(q, at);
 }
 
-void transition_change_friction(struct scene_state *q, int contact, enum ode_event event,
-                                struct scene_instant *at)
+void transition_take_event(struct scene_state *q, int contact, int event, enum contact_regime regime,
+                           struct scene_instant *at)
 {
+    const double lasted = q->clock;
+    const bool is_friction = SCENE_ANY_FRICTION && event > ODE_EVENT_LAW && event != ODE_EVENT_ZONE;
     scene_rebase(q);
-    turning_take_event(q, contact, event);
-    counter_add(&q->counters.events, 1);
+    if (is_friction) {
+        turning_take_event(q, contact, (enum ode_event)event);
+        hold_springs(q);
+    }
     scene_kinematics_now(q, at);
+    if (!is_friction) {
+        change_regime(q, contact, regime, lasted, at);
+    }
+    counter_add(&q->counters.events, 1);
     begin_phase(q, at);
     note_instant(q, at);
 }
@@ -510,6 +532,7 @@ void transition_settle_regimes(struct scene_state *q, double stored_before, bool
     if (!starting) {
         q->external_work += energy_stored(&at) - stored_before;
     }
+    q->last_flight = 0.0;
     scene_rebase(q);
     begin_phase(q, &at);
 }
@@ -523,19 +546,25 @@ void transition_take_law(struct scene_state *q, const bool *changed, double stor
             transition_set_regime(q, j, scene_regime(&at, j, true));
         }
     }
+    hold_springs(q);
     q->external_work += energy_stored(&at) - stored_before;
     begin_phase(q, &at);
+}
+
+void transition_mark_step(struct scene_state *q)
+{
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        q->contact[j].record.impulse_mark = q->contact[j].physics.impulse;
+        q->contact[j].record.force_bound = 0.0;
+        q->contact[j].peaks = (struct contact_peaks){0.0, 0.0};
+    }
 }
 
 void transition_begin_step(struct scene_state *q, struct scene_instant *at)
 {
     scene_now(q, at);
     q->step_length = 0.0;
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        q->contact[j].record.impulse_mark = q->contact[j].physics.impulse;
-        q->contact[j].record.force_bound = 0.0;
-        q->contact[j].peaks = (struct contact_peaks){0.0, 0.0};
-    }
+    transition_mark_step(q);
     note_instant(q, at);
 }
 

@@ -27,18 +27,15 @@ void turning_take_event(struct scene_state *q, int contact, enum ode_event event
 void transition_set_regime(struct scene_state *q, int contact, enum contact_regime regime);
 
 /*
- * Puts a contact into a new regime at the present instant. Counts an onset when bodies begin to overlap, and
- * closes the duration when they cease to. Books a jump of the stored energy, as where a finite cylinder's end
- * switches the force off, as dissipated. Counts an event, and moves the origin of the clock to the present.
- * `at` becomes the instant of scene_kinematics_now afterwards. If the new regime is the present one, the
- * contact passes into its next zone.
+ * Takes an event of a contact (enum ode_event) at the present instant, counts it, moves the origin of the
+ * clock to the present and begins a phase. An event of friction changes its regime alone. Any other event
+ * puts the contact into the `regime`. It counts an onset when bodies begin to overlap, and closes the
+ * duration when they cease to. It books a jump of the stored energy, as where a finite cylinder's end
+ * switches the force off, as dissipated. If the new regime is the present one, the contact passes into its
+ * next zone. `at` becomes the instant of scene_kinematics_now afterwards.
  */
-void transition_change_regime(struct scene_state *q, int contact, enum contact_regime regime,
-                              struct scene_instant *at);
-
-/* Changes the regime of friction after an event and begins a phase. The regime of the law stays. */
-void transition_change_friction(struct scene_state *q, int contact, enum ode_event event,
-                                struct scene_instant *at);
+void transition_take_event(struct scene_state *q, int contact, int event, enum contact_regime regime,
+                           struct scene_instant *at);
 
 /*
  * Sets the regimes by the geometry of the present, at the start and after inputs have jumped. `stored_before`
@@ -55,7 +52,8 @@ void transition_settle_regimes(struct scene_state *q, double stored_before, bool
 void transition_take_law(struct scene_state *q, const bool *changed, double stored_before);
 
 /* Begin and end a communication step, over which peaks and mean force are taken. `at` becomes the present
- * instant. */
+ * instant. transition_mark_step lets means and peaks begin anew, and needs no instant. */
+void transition_mark_step(struct scene_state *q);
 void transition_begin_step(struct scene_state *q, struct scene_instant *at);
 void transition_end_step(struct scene_state *q);
 

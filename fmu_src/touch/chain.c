@@ -62,25 +62,21 @@ static double shared_inverse_mass(const struct scene_values *v, int i, int j)
     return sum;
 }
 
-/* Whether a contact has a spring alone, under the linear law. */
-static bool is_spring(const struct scene_state *q, int contact)
-{
-    const struct contact_law law = scene_contact_law(q, contact);
-    return contact_is_elastic(&law) && !contact_is_hertz(&law) &&
-           contact_factors_of(&law, REGIME_COMPRESSION).k > 0.0;
-}
-
-/* Sets the row after the last one. Returns false where the contact cannot be one of a chain. */
+/* Sets the row after the last one. Returns false where the contact cannot be one of a chain; one in touch has
+ * a spring alone, under the linear law. */
 static bool put_row(struct chain *c, const struct scene_instant *at, int contact)
 {
     const struct contact_geometry *g = &at->geometry[contact];
     const struct contact_shape shape = scene_contact_shape(at->q, contact);
     const struct separation_path flight = separation_path_of(at, at->q->clock, contact);
     const int i = c->rows;
-    if (i == CHAIN_MOST || !flies_along(c, at, contact, &shape, &flight)) {
+    const struct contact_law law = scene_contact_law(at->q, contact);
+    const double k = contact_factors_of(&law, REGIME_COMPRESSION).k;
+    const bool is_spring = contact_is_elastic(&law) && !contact_is_hertz(&law) && k > 0.0;
+    if (i == CHAIN_MOST || !(is_spring || !contact_transmits(at->q, contact)) ||
+        !flies_along(c, at, contact, &shape, &flight)) {
         return false;
     }
-    const struct contact_law law = scene_contact_law(at->q, contact);
     c->contact[i] = contact;
     c->push[i] = vec3_scale(shape.side, g->normal);
     c->lever[i] = vec3_make(0.0, 0.0, 0.0);
@@ -90,7 +86,7 @@ static bool put_row(struct chain *c, const struct scene_instant *at, int contact
     c->gap[i] = g->gap;
     c->rate[i] = g->gap_rate;
     c->acceleration[i] = 2.0 * vec3_dot(c->push[i], contact_across(&shape, flight.c[2]));
-    c->root[i] = sqrt(contact_factors_of(&law, REGIME_COMPRESSION).k);
+    c->root[i] = sqrt(k);
     const double missing = contact_transmits(at->q, contact) ? c->gap[i] : -c->gap[i];
     c->offset[i] = fmax(missing, 0.0) + rounding_of_gap(at, contact);
     return true;
@@ -436,11 +432,6 @@ static void note_sizes(struct chain *c, const struct scene_instant *at)
     }
 }
 
-long chain_work(const struct chain *c)
-{
-    return 4 * c->touching + (long)(c->end * c->fastest * (1.0 + 0.25 * c->rows));
-}
-
 bool chain_make(struct chain *c, const struct scene_instant *at)
 {
     const struct scene_state *q = at->q;
@@ -452,7 +443,7 @@ bool chain_make(struct chain *c, const struct scene_instant *at)
     note_sizes(c, at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const bool pushes = contact_pushes(q, j);
-        if (pushes && !(is_spring(q, j) && put_row(c, at, j))) {
+        if (pushes && !put_row(c, at, j)) {
             return false;
         }
         c->rows += pushes ? 1 : 0;

@@ -62,10 +62,6 @@ bool chain_make(struct chain *c, const struct scene_instant *at);
 /* Finds the first contact of the chain that begins or ends within `longest` seconds. */
 void chain_find_end(struct chain *c, double longest);
 
-/* Returns the cost of the chain, in steps in closed form (integrator/phases.h): its modes, and the search for
- * events and peaks in each radian of the fastest one. */
-long chain_work(const struct chain *c);
-
 /* Moves the bodies from the start of the chain to a time since then, and notes peaks since the time `from`
  * [s]. The caller advances the clock and all bodies without contact force. */
 void chain_advance(const struct chain *c, double from, double time, struct scene_state *q);

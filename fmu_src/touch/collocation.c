@@ -331,27 +331,6 @@ static bool finish(struct collocation *p)
     return true;
 }
 
-/* Iterates to convergence; returns whether the result is within `tolerance` and sound. */
-static bool iterate(struct collocation *p, double tolerance)
-{
-    double before = 0.0;
-    double gain = 1.0;
-    for (int i = 0; i < MAX_SWEEPS; ++i) {
-        const double change = sweep(p);
-        /* The error left is about change * gain, where gain is the factor by which the last sweep converged.
-         * H and n converge in turn, so the larger of the last two factors counts. X of an overdamped step
-         * converges after H and n, so no factor is used there. */
-        const double gain_before = gain;
-        gain = before > 0.0 && p->kind != COLLOCATION_OVERDAMPED ? fmin(1.0, change / before) : 1.0;
-        if (change * fmax(gain, gain_before) <= tolerance) {
-            p->result.interior_error = tail_of_all(p);
-            return finish(p);
-        }
-        before = change;
-    }
-    return false;
-}
-
 void collocation_deviation(const struct collocation *p, double s, double averaged[4], double y[4])
 {
     const struct oscillator *o = &p->result.oscillator;
@@ -419,19 +398,6 @@ void collocation_overdamped_push(const struct collocation *p, double s, double p
     }
 }
 
-/* Returns the integral from 0 to s of the polynomial `a` times (x - y)'. The nodes' quadrature is exact for
- * products of two polynomials. */
-static double along_slow(const struct collocation *p, const double *a, double s)
-{
-    double sum = 0.0;
-    for (int i = 0; i < LOBATTO_MAX; ++i) {
-        const double at = 0.5 * s * nodal_place(i);
-        const double part = taylor_at(a, LOBATTO_MAX, at - 1.0) * nodal_slope(p->result.slow, at);
-        sum += 0.5 * s * nodal_weight(i) * part;
-    }
-    return sum;
-}
-
 /* Returns the integral of the polynomial `a` times y' from 0 to s, in closed form. With a spring (Q y + Q' y'
  * / omega2)' = a y' where Q + Q'' / omega2 - damping_rate Q' / omega2 = a. A single decay has (Q y)' = a y'
  * where Q - Q' / faster = a. */
@@ -453,7 +419,8 @@ static double along_oscillation(const struct collocation *p, const double *a, do
 }
 
 /* The dissipated energy follows from the oscillator's balance of energy, which is exact at any frequency:
- * damping_rate x'^2 = -(x'^2 / 2 + omega2 x^2 / 2)' + f x'. */
+ * damping_rate x'^2 = -(x'^2 / 2 + omega2 x^2 / 2)' + f x'. The nodes' quadrature is exact for the product of
+ * the polynomials f and (x - y)'. */
 double collocation_dissipated(const struct collocation *p, double s)
 {
     const double omega2 = p->from.omega2 * p->half * p->half;
@@ -467,7 +434,14 @@ double collocation_dissipated(const struct collocation *p, double s)
     const double rate = slow[1] + y[1];
     const double lost = 0.5 * ((start_rate - rate) * (start_rate + rate) + omega2 * (x0 - x) * (x0 + x) +
                                softening * (p->result.y - y[0]) * (p->result.y + y[0]));
-    const double sum = lost + along_slow(p, p->result.load, s) + along_oscillation(p, p->result.load, s, y);
+    double along_slow = 0.0;
+    for (int i = 0; i < LOBATTO_MAX; ++i) {
+        const double at = 0.5 * s * nodal_place(i);
+        const double part =
+            taylor_at(p->result.load, LOBATTO_MAX, at - 1.0) * nodal_slope(p->result.slow, at);
+        along_slow += 0.5 * s * nodal_weight(i) * part;
+    }
+    const double sum = lost + along_slow + along_oscillation(p, p->result.load, s, y);
     return sum / (p->half * p->half);
 }
 
@@ -517,5 +491,20 @@ bool collocation_make(struct collocation *p, const struct collocation_problem *f
         p->result.x[i] = p->result.slow[0];
         p->acceleration_at[i] = acceleration_then(p, nodal_place(i));
     }
-    return iterate(p, tolerance);
+    double before = 0.0;
+    double gain = 1.0;
+    for (int i = 0; i < MAX_SWEEPS; ++i) {
+        const double change = sweep(p);
+        /* The error left is about change * gain, where gain is the factor by which the last sweep converged.
+         * H and n converge in turn, so the larger of the last two factors counts. X of an overdamped step
+         * converges after H and n, so no factor is used there. */
+        const double gain_before = gain;
+        gain = before > 0.0 && p->kind != COLLOCATION_OVERDAMPED ? fmin(1.0, change / before) : 1.0;
+        if (change * fmax(gain, gain_before) <= tolerance) {
+            p->result.interior_error = tail_of_all(p);
+            return finish(p);
+        }
+        before = change;
+    }
+    return false;
 }

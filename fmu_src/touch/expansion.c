@@ -69,11 +69,6 @@ static inline double separation_term(struct expansion_kind kind, const struct ex
            (kind.is_alone ? 0.0 : s->body[end[0]].moved[k][i]);
 }
 
-double expansion_separation(const struct expansion *s, const double *flown, const int end[2], int k, int i)
-{
-    return separation_term((struct expansion_kind){.is_paced = s->paced_by >= 0}, s, flown, end, k, i);
-}
-
 /* Changes f from coefficient i of c to coefficient i of f at a rim: the nearest point of the circle moves,
  * unless the motion is in a plane through the axis. */
 static void put_nearest(struct expansion_rim *rim, int axes, int i, double f[EXPANSION_AXES])

@@ -94,9 +94,6 @@ struct expansion {
  * zero needs g, g', n and the pace at the start; everything else that the series make is zero before. */
 void expansion_make(struct expansion *s, int begin, int end);
 
-/* Returns coefficient i of a separation along an axis, i > 0. */
-double expansion_separation(const struct expansion *s, const double *flown, const int end[2], int k, int i);
-
 /* Adds the powers of time up to a degree. */
 void expansion_add_powers(struct expansion *s, int degree);
 

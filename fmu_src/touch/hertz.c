@@ -121,34 +121,6 @@ static double elastic_deepest(double k, double load, double touch)
     return depth;
 }
 
-/* Solves for the motion. Returns false where the closed form does not apply, or where the impact is slow,
- * which means e < 4 L delta_max. A contact that hardly parts is slow. */
-static bool elastic_solve(struct hertz_elastic *p, const struct contact_pair *from)
-{
-    const double k = from->hertz_stiffness / from->reduced_mass;
-    const double depth = fmax(-from->gap, 0.0);
-    if (from->chi > 0.0 || from->has_mismatch || !from->is_head_on || contact_is_rim(&from->shape)) {
-        return false;
-    }
-    const double rate = pair_gap_derivative(from);
-    p->from = from;
-    p->load =
-        -2.0 * from->shape.side * vec3_dot(from->normal, contact_across(&from->shape, from->flight.c[2]));
-    p->touch = rate * rate + elastic_stored(k, depth) - 2.0 * p->load * depth;
-    p->deepest = elastic_deepest(k, p->load, p->touch);
-    p->pressed = 2.0 * p->load * p->deepest;
-    const bool free =
-        !contact_may_reach_centre(&from->shape) || p->deepest < 0.5 * contact_reach(&from->shape);
-    if (!(p->touch > 0.0 && p->touch >= 2.0 * p->pressed && p->deepest > DBL_MIN && free)) {
-        return false;
-    }
-    p->start = rate / sqrt(elastic_polynomial(p, sqrt(depth / p->deepest)));
-    p->start = fmin(fmax(p->start, -1.0), 1.0);
-    p->end = 1.0 - p->start;
-    p->end_time = elastic_time_between(p, p->start, p->end);
-    return p->end > 0.0 && isfinite(p->end_time);
-}
-
 static double elastic_time(const struct hertz_elastic *p, double s)
 {
     return s == p->end ? p->end_time : s == 0.0 ? 0.0 : elastic_time_between(p, p->start, s);
@@ -253,11 +225,35 @@ double hertz_coasting_time(const struct segment *p)
     return time;
 }
 
+/* The closed form does not serve where the impact is slow, which means e < 4 L delta_max. A contact that
+ * hardly parts is slow. */
 bool hertz_elastic_make(struct segment *p)
 {
     struct hertz_elastic *made = &p->as.hertz_elastic;
+    const struct contact_pair *from = &p->pair;
+    const double k = from->hertz_stiffness / from->reduced_mass;
+    const double depth = fmax(-from->gap, 0.0);
     p->work += CLOSED_FORM_WORK;
-    if (!elastic_solve(made, &p->pair)) {
+    if (from->chi > 0.0 || from->has_mismatch || !from->is_head_on || contact_is_rim(&from->shape)) {
+        return false;
+    }
+    const double rate = pair_gap_derivative(from);
+    made->from = from;
+    made->load =
+        -2.0 * from->shape.side * vec3_dot(from->normal, contact_across(&from->shape, from->flight.c[2]));
+    made->touch = rate * rate + elastic_stored(k, depth) - 2.0 * made->load * depth;
+    made->deepest = elastic_deepest(k, made->load, made->touch);
+    made->pressed = 2.0 * made->load * made->deepest;
+    const bool free =
+        !contact_may_reach_centre(&from->shape) || made->deepest < 0.5 * contact_reach(&from->shape);
+    if (!(made->touch > 0.0 && made->touch >= 2.0 * made->pressed && made->deepest > DBL_MIN && free)) {
+        return false;
+    }
+    made->start = rate / sqrt(elastic_polynomial(made, sqrt(depth / made->deepest)));
+    made->start = fmin(fmax(made->start, -1.0), 1.0);
+    made->end = 1.0 - made->start;
+    made->end_time = elastic_time_between(made, made->start, made->end);
+    if (!isfinite(made->end_time)) {
         return false;
     }
     const bool parts = made->end_time <= p->longest;

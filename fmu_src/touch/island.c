@@ -293,19 +293,21 @@ static double touch_within(const struct island *s, const struct contact_shape *s
                            double offset, const int end[2])
 {
     double of[TAYLOR_TERMS] = {g->gap + offset};
-    double flown[EXPANSION_FLOWN];
     struct two_way path[EXPANSION_AXES] = {{{0.0}, {0.0}}};
     bool moves[EXPANSION_AXES] = {false};
     const bool is_flat = contact_is_plane(shape);
     const struct vec3 axis = contact_is_cylinder(shape) ? shape->axis : vec3_make(0.0, 0.0, 0.0);
     const struct vec3 start = vec3_axpy(flight->c[0], -vec3_dot(flight->c[0], axis), axis);
-    memcpy(flown, flight->c, sizeof flown);
     for (int i = 1; i < TAYLOR_TERMS; ++i) {
-        double c[EXPANSION_AXES];
+        double moved[EXPANSION_AXES];
         for (int k = 0; k < EXPANSION_AXES; ++k) {
-            c[k] = expansion_separation(&s->terms, flown, end, k, i);
+            moved[k] = s->body[end[1]].moved[k][i] - s->body[end[0]].moved[k][i];
         }
-        const struct vec3 across = vec3_axpy(vec3_from(c), -vec3_dot(vec3_from(c), axis), axis);
+        struct vec3 c = vec3_from(moved);
+        for (int p = 1; p <= s->terms.degree; ++p) {
+            c = vec3_axpy(c, s->terms.power_of_time[p].row[i], flight->c[p]);
+        }
+        const struct vec3 across = vec3_axpy(c, -vec3_dot(c, axis), axis);
         of[i] = shape->side * vec3_dot(g->normal, across);
         for (int k = 0; k < EXPANSION_AXES && !is_flat; ++k) {
             taylor_put(&path[k], i, vec3_get(across, k));
@@ -365,11 +367,6 @@ static bool find_touches(struct island *s, const struct scene_instant *at)
 static double place_of(const struct island *s, double time)
 {
     return time < s->time ? pair_place_by(expansion_time, &s->terms, time, s->end) : s->end;
-}
-
-long island_work(const struct island *s)
-{
-    return 4 + 4L * s->terms.rows;
 }
 
 bool island_make(struct island *s, const struct scene_instant *at, double longest, double quiet)
@@ -475,20 +472,6 @@ static struct vec3 three_at(const struct island *s, const taylor_row *rows, doub
     return vec3_from(of);
 }
 
-/* Returns c, which leads from the source to the destination, at a place. */
-static struct vec3 island_separation_at(const struct island *s, const struct expansion_row *r, double place)
-{
-    const double time = expansion_time_at(&s->terms, place);
-    struct vec3 c =
-        vec3_sub(three_at(s, s->body[r->end[1]].moved, place), three_at(s, s->body[r->end[0]].moved, place));
-    double power = 1.0;
-    for (int p = 0; p <= s->terms.degree; ++p) {
-        c = vec3_axpy(c, power, vec3_from(r->flown + EXPANSION_AXES * p));
-        power *= time;
-    }
-    return c;
-}
-
 /* Adds the impulse of the torque on a destination about its centre, the integral of c x F, where F acts on
  * the source [N m s]. */
 static void add_island_torque(const struct island *s, const struct expansion_row *r, double place,
@@ -504,7 +487,11 @@ static void add_island_torque(const struct island *s, const struct expansion_row
             taylor_derivatives(r->pushed[s->terms.along[a]], TAYLOR_TERMS, at, of);
             push[s->terms.along[a]] = -of[1];
         }
-        *sum = vec3_axpy(*sum, weight, vec3_cross(island_separation_at(s, r, at), vec3_from(push)));
+        const double time = expansion_time_at(&s->terms, at);
+        const struct vec3 flown = path_at((const struct vec3 *)r->flown, SEPARATION_DEGREE + 1, time);
+        const struct vec3 moved =
+            vec3_sub(three_at(s, s->body[r->end[1]].moved, at), three_at(s, s->body[r->end[0]].moved, at));
+        *sum = vec3_axpy(*sum, weight, vec3_cross(vec3_add(flown, moved), vec3_from(push)));
     }
 }
 

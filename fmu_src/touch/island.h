@@ -29,9 +29,6 @@ struct island {
  * then takes longer steps. */
 bool island_make(struct island *s, const struct scene_instant *at, double longest, double quiet);
 
-/* Returns the cost of making it, in steps in closed form (integrator/phases.h). */
-long island_work(const struct island *s);
-
 /* Moves the bodies from the start to a time since then, and notes peaks since the time `from` [s]. The caller
  * advances the clock and all bodies without contact force. */
 void island_advance(const struct island *s, double from, double time, struct scene_state *q);

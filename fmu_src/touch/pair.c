@@ -48,17 +48,6 @@ static void leave_centre(struct contact_pair *p, const struct contact_geometry *
     p->flight.c[0] = vec3_add(p->flight.c[0], p->rounded);
 }
 
-/* Corrects w so that side n.w is g', and all formulas see one rate. */
-static void take_rate(struct contact_pair *p, double rate)
-{
-    const double missing =
-        p->shape.side * rate - vec3_dot(p->normal, contact_across(&p->shape, p->flight.w[0]));
-    p->rate = rate;
-    p->rate_rounded = vec3_scale(missing, p->normal);
-    p->flight.c[1] = vec3_add(p->flight.c[1], p->rate_rounded);
-    p->flight.w[0] = vec3_add(p->flight.w[0], p->rate_rounded);
-}
-
 /* Whether the prescribed velocity differs from the derivative of the prescribed displacement by more than
  * rounding. */
 static bool path_contradicts(const struct scene_state *q, int body)
@@ -105,11 +94,13 @@ void pair_make(struct contact_pair *p, const struct scene_instant *at, int conta
         leave_centre(p, geometry);
     }
     const bool is_carried = !is_at_centre && scene_rate_is_known(at, contact);
-    const double rate = is_carried
-                            ? geometry->gap_rate
-                            : p->shape.side * vec3_dot(p->normal, contact_across(&p->shape, p->flight.w[0]));
-    p->rate_is_known = is_carried || rate == 0.0;
-    take_rate(p, rate);
+    const double along = vec3_dot(p->normal, contact_across(&p->shape, p->flight.w[0]));
+    p->rate = is_carried ? geometry->gap_rate : p->shape.side * along;
+    p->rate_is_known = is_carried || p->rate == 0.0;
+    /* with w corrected so that side n.w is g', all formulas see one rate */
+    p->rate_rounded = vec3_scale(p->shape.side * p->rate - along, p->normal);
+    p->flight.c[1] = vec3_add(p->flight.c[1], p->rate_rounded);
+    p->flight.w[0] = vec3_add(p->flight.w[0], p->rate_rounded);
     p->has_mismatch =
         path_contradicts(q, contact_source(contact)) || path_contradicts(q, contact_destination(contact));
     memset(p->force, 0, sizeof p->force);
@@ -153,23 +144,6 @@ double pair_pressing_load(const struct contact_pair *p)
 double pair_load(const struct contact_pair *p)
 {
     return p->reduced_mass * fabs(pair_pressing_load(p));
-}
-
-static double speed_of(const struct scene_state *q, int body)
-{
-    if (body_is_prescribed(q->v, body)) {
-        return vec3_norm(path_at(q->path[body].velocity, 3, q->clock));
-    }
-    return body_is_free(q->v, body) ? vec3_norm(q->body[body].velocity) : 0.0;
-}
-
-/* Returns the rounding error of g' computed from the velocities after the change [m/s]. In lasting contact
- * the velocity of the flight and the deviation from it nearly cancel. The bound takes the sizes of both. */
-static double rate_rounding_after(const struct pair_change *change, const struct scene_state *q, int contact)
-{
-    return 16.0 * DBL_EPSILON *
-           (speed_of(q, contact_source(contact)) + speed_of(q, contact_destination(contact)) +
-            vec3_norm(change->r_rate));
 }
 
 struct vec3 pair_aside(const struct contact_pair *p, struct vec3 a)
@@ -229,20 +203,14 @@ static void move_head_on(const struct contact_pair *p, const struct pair_change 
                                vec3_axpy(together, share * side * change->gap_rate, p->normal));
 }
 
-/* Returns the external work that is due to r, by parts, so that an oscillation of r' need not be resolved:
- * force.r' = (force.r)' - force'.r. Head-on the forces are those on free bodies, see move_head_on. */
-static double work_by_parts(const struct contact_pair *p, const struct pair_change *change,
-                            const struct vec3 moment[PAIR_MOMENTS])
-{
-    const double by_momentum = vec3_dot(path_at(p->momentum, 3, change->time), change->r_rate);
-    return change->head_on ? by_momentum
-                           : by_momentum + vec3_dot(path_at(p->force, 3, change->time), change->r) -
-                                 vec3_dot(p->force[1], moment[0]) - 2.0 * vec3_dot(p->force[2], moment[1]);
-}
-
+/* The external work that is due to r is found by parts, so that an oscillation of r' need not be resolved:
+ * force.r' = (force.r)' - force'.r. Head-on the forces are those on free bodies, see move_head_on. In lasting
+ * contact the velocity of the flight and the deviation from it nearly cancel: the bound of the rounding of g'
+ * takes the sizes of both. */
 void pair_apply(const struct contact_pair *p, const struct pair_change *change,
                 const struct vec3 moment[PAIR_MOMENTS], struct scene_state *q, int contact)
 {
+    double speeds = 0.0; /* of both bodies after the change [m/s] */
     struct contact_state *state = &q->contact[contact];
     const int ends[PAIR_BODIES] = {contact_source(contact), contact_destination(contact)};
     const struct vec3 rounded = vec3_axpy(p->rounded, change->time, p->rate_rounded);
@@ -261,12 +229,22 @@ void pair_apply(const struct contact_pair *p, const struct pair_change *change,
         } else if (is_free) {
             flight_deviate(q, ends[end], change->time, vec3_scale(share, r), vec3_scale(share, r_rate));
         }
+        if (is_free) {
+            speeds += vec3_norm(q->body[ends[end]].velocity);
+        } else if (body_is_prescribed(q->v, ends[end])) {
+            speeds += vec3_norm(path_at(q->path[ends[end]].velocity, 3, q->clock));
+        }
     }
-    q->external_work += work_by_parts(p, change, moment);
+    double work = vec3_dot(path_at(p->momentum, 3, change->time), change->r_rate);
+    if (!change->head_on) {
+        work = work + vec3_dot(path_at(p->force, 3, change->time), change->r) -
+               vec3_dot(p->force[1], moment[0]) - 2.0 * vec3_dot(p->force[2], moment[1]);
+    }
+    q->external_work += work;
     q->dissipated += change->dissipated;
     state->physics.impulse.force = vec3_axpy(state->physics.impulse.force, -p->reduced_mass, change->r_rate);
     state->physics.accumulated_gap = change->gap;
-    state->physics.rate_rounding = rate_rounding_after(change, q, contact);
+    state->physics.rate_rounding = 16.0 * DBL_EPSILON * (speeds + vec3_norm(change->r_rate));
 }
 
 /* A component perpendicular to the plane of motion is rounding if it is below this fraction of the others. */
@@ -363,13 +341,6 @@ bool pair_oscillation_make(struct pair_oscillation *p, const struct contact_pair
            (contact_may_reach_centre(&from->shape) ? contact_reach(&from->shape) : DBL_MAX);
 }
 
-/* Whether y or y' has decayed so far that its direct value is more accurate than the start value plus the
- * increment. */
-static bool has_decayed(double now, double start)
-{
-    return 2.0 * fabs(now) < fabs(start);
-}
-
 /* Sets the gap and its first derivatives by s, and the changes of gap and rate since the start, which would
  * lose digits as differences. */
 static inline void motion_at(const struct pair_oscillation *p, double s, double grown[2],
@@ -390,8 +361,9 @@ static inline void motion_at(const struct pair_oscillation *p, double s, double 
         return;
     }
     free_oscillation_at(&p->free, s, gap);
-    gap[0] = has_decayed(gap[0], p->free.y) ? p->equilibrium + gap[0] : g;
-    gap[1] = has_decayed(gap[1], p->free.y_rate) ? gap[1] : rate;
+    /* y or y' that has decayed far is more accurate than its start value plus the increment */
+    gap[0] = 2.0 * fabs(gap[0]) < fabs(p->free.y) ? p->equilibrium + gap[0] : g;
+    gap[1] = 2.0 * fabs(gap[1]) < fabs(p->free.y_rate) ? gap[1] : rate;
 }
 
 /* y' = exp(-damping_rate s / 2) (y_rate cos + sideways sin) of omega_d s. */
@@ -470,16 +442,6 @@ void pair_oscillation_sample_extremum(const struct pair_oscillation *p, double s
     sample_of_gap(p, gap, sample);
 }
 
-/* Returns the energy dissipated [J], by the oscillator's energy balance: p_nv g'^2 = -(m g'^2 / 2 + p_n (g -
- * equilibrium)^2 / 2)', or without a spring -(m g'^2 / 2 - side m n.A g)'. */
-static double dissipated_by_dashpot(const struct pair_oscillation *p, const double grown[2])
-{
-    const bool has_spring = p->from->coefficients.k > 0.0;
-    const double by_rate = grown[1] * (2.0 * p->free.y_rate + grown[1]);
-    const double by_place = grown[0] * (has_spring ? 2.0 * p->free.y + grown[0] : -2.0 * p->load);
-    return p->from->coefficients.c > 0.0 ? -0.5 * p->dynamic_stiffness * (by_rate + by_place) : 0.0;
-}
-
 struct pair_change pair_change_along_normal(const struct contact_pair *from, double time, double r,
                                             double r_rate, double gap)
 {
@@ -489,6 +451,8 @@ struct pair_change pair_change_along_normal(const struct contact_pair *from, dou
                                 .gap = gap};
 }
 
+/* The dissipated energy follows from the oscillator's energy balance: p_nv g'^2 = -(m g'^2 / 2 + p_n (g -
+ * equilibrium)^2 / 2)', or without a spring -(m g'^2 / 2 - side m n.A g)'. */
 struct pair_change pair_oscillation_advance(const void *pair_oscillation, double s)
 {
     const struct pair_oscillation *p = pair_oscillation;
@@ -503,7 +467,12 @@ struct pair_change pair_oscillation_advance(const void *pair_oscillation, double
     struct pair_change change = pair_change_along_normal(from, time, r, r_rate, gap[0]);
     change.head_on = true;
     change.gap_rate = p->rate * gap[1];
-    change.dissipated = dissipated_by_dashpot(p, grown);
+    if (from->coefficients.c > 0.0) {
+        const bool has_spring = from->coefficients.k > 0.0;
+        const double by_place = grown[0] * (has_spring ? 2.0 * p->free.y + grown[0] : -2.0 * p->load);
+        const double by_rate = grown[1] * (2.0 * p->free.y_rate + grown[1]);
+        change.dissipated = -0.5 * p->dynamic_stiffness * (by_rate + by_place);
+    }
     return change;
 }
 
@@ -560,11 +529,17 @@ void pair_hertz_force(const struct contact_pair *from, const double u[3], const 
                     cube * q[2]);
 }
 
-/* The force of an overdamped step follows from the acceleration, because the forces of spring and dashpot
- * nearly cancel. */
-static void fill_sample(const struct pair_collocation *p, double s, const double averaged[4],
-                        const double y[4], struct pair_sample *sample)
+/* Samples a step, with the oscillation y or without it. The force of an overdamped step follows from the
+ * acceleration, because the forces of spring and dashpot nearly cancel. */
+static void sample_step(const struct pair_collocation *p, double s, bool with_y, struct pair_sample *sample)
 {
+    double averaged[4];
+    double y[4] = {0.0};
+    if (with_y) {
+        collocation_deviation(&p->step, s, averaged, y);
+    } else {
+        nodal_derivatives(p->step.result.slow, s, averaged);
+    }
     const double side = p->from->shape.side;
     const double per_time = side / p->step.half;
     double x[4];
@@ -600,11 +575,7 @@ static void fill_sample(const struct pair_collocation *p, double s, const double
 
 void pair_collocation_sample(const void *pair_collocation, double s, struct pair_sample *sample)
 {
-    const struct pair_collocation *p = pair_collocation;
-    double averaged[4];
-    double y[4];
-    collocation_deviation(&p->step, s, averaged, y);
-    fill_sample(p, s, averaged, y, sample);
+    sample_step(pair_collocation, s, true, sample);
 }
 
 struct oscillator_envelope pair_collocation_envelope(const struct pair_collocation *p,
@@ -616,10 +587,7 @@ struct oscillator_envelope pair_collocation_envelope(const struct pair_collocati
 
 void pair_collocation_sample_averaged(const void *pair_collocation, double s, struct pair_sample *sample)
 {
-    const struct pair_collocation *p = pair_collocation;
-    double averaged[4];
-    nodal_derivatives(p->step.result.slow, s, averaged);
-    fill_sample(p, s, averaged, (const double[4]){0.0}, sample);
+    sample_step(pair_collocation, s, false, sample);
 }
 
 /* Returns the energy that the dashpot dissipates in a quasi-static step, the integral of its power k_h

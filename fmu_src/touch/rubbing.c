@@ -212,18 +212,6 @@ static double way_panel_make(struct way_panel *panel, const struct slide *f, dou
            nodal_tail(panel->time) * fastest;
 }
 
-/* Adds a panel to the moments. */
-static void add_moments(const struct way_panel *panel, struct travel *way)
-{
-    for (int i = 0; i < LOBATTO_MAX; ++i) {
-        double part = nodal_weight(i) * panel->pace[i] * panel->lost[i];
-        for (int k = 0; k < MOMENTS; ++k) {
-            way->lost[k] += part;
-            part *= panel->time[i];
-        }
-    }
-}
-
 /* Sweeps of Picard's iteration: a panel turns by a radian at most, and each sweep k divides the error by some
  * 2 k. The iteration ends where it changes less than a rounding. */
 enum { MOST_PICARD_SWEEPS = 24 };
@@ -233,31 +221,32 @@ static const double MOST_TURN = 1.0;
  * nodes. */
 static void turn_over(const struct way_panel *panel, const struct slide *f, struct travel *way)
 {
-    const struct quaternion start = way->turn.orientation;
+    double start[4];
     nodal_values rate[4];
     nodal_values grown[4] = {{0.0}};
-    for (int sweep = 0; sweep < MOST_PICARD_SWEEPS; ++sweep) {
-        double change = 0.0;
+    double change = 1.0;
+    quaternion_to(way->turn.orientation, start);
+    for (int sweep = 0; sweep < MOST_PICARD_SWEEPS && change >= DBL_EPSILON; ++sweep) {
         for (int i = 0; i < LOBATTO_MAX; ++i) {
             const struct vec3 omega = vec3_axpy(f->rotation, panel->lost[i], f->spun);
-            const struct quaternion now = {start.w + grown[0][i], start.x + grown[1][i],
-                                           start.y + grown[2][i], start.z + grown[3][i]};
-            const struct quaternion turning = quaternion_rate(now, omega);
-            rate[0][i] = panel->pace[i] * turning.w;
-            rate[1][i] = panel->pace[i] * turning.x;
-            rate[2][i] = panel->pace[i] * turning.y;
-            rate[3][i] = panel->pace[i] * turning.z;
+            double now[4];
+            for (int k = 0; k < 4; ++k) {
+                now[k] = start[k] + grown[k][i];
+            }
+            quaternion_to(quaternion_rate(quaternion_from(now), omega), now);
+            for (int k = 0; k < 4; ++k) {
+                rate[k][i] = panel->pace[i] * now[k];
+            }
         }
+        change = 0.0;
         for (int k = 0; k < 4; ++k) {
             change = fmax(change, nodal_integrate(rate[k], grown[k]));
         }
-        if (change < DBL_EPSILON) {
-            break;
-        }
     }
-    way->turn.orientation =
-        quaternion_unit((struct quaternion){start.w + grown[0][LAST_NODE], start.x + grown[1][LAST_NODE],
-                                            start.y + grown[2][LAST_NODE], start.z + grown[3][LAST_NODE]});
+    for (int k = 0; k < 4; ++k) {
+        start[k] += grown[k][LAST_NODE];
+    }
+    way->turn.orientation = quaternion_unit(quaternion_from(start));
     way->turn.angular_velocity = vec3_axpy(f->rotation, panel->lost[LAST_NODE], f->spun);
 }
 
@@ -307,7 +296,13 @@ static void travel_on(const struct slide *f, double from, double to, double leng
             length *= 0.5;
             continue;
         }
-        add_moments(&panel, way);
+        for (int i = 0; i < LOBATTO_MAX; ++i) {
+            double part = nodal_weight(i) * panel.pace[i] * panel.lost[i];
+            for (int k = 0; k < MOMENTS; ++k) {
+                way->lost[k] += part;
+                part *= panel.time[i];
+            }
+        }
         if (turning) {
             turn_over(&panel, f, way);
         }

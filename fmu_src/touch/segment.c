@@ -205,17 +205,17 @@ static double terminal_event_centre(struct segment *p)
     return dense_output_first_event(&p->output, &distance);
 }
 
-/* Ends the segment at d = 0 if the centre is met before p->terminal, whether or not the regime changes
- * there. */
+/* Ends the segment at d = 0 if the centre is met before p->terminal. The regime may change there. */
 static void terminal_event_at_centre(struct segment *p)
 {
     const double s = terminal_event_centre(p);
     if (s <= p->end && s < p->terminal.s) {
         /* the gap rate has the opposite sign beyond the centre */
         const struct pair_sample *then = dense_output_at(&p->output, s);
-        const double gap = then->of[PAIR_GAP][0];
-        p->terminal.s = s;
-        p->terminal.regime = contact_regime_of(&p->pair.law, gap, -then->of[PAIR_GAP_RATE][0], true);
+        const enum contact_regime next =
+            contact_regime_of(&p->pair.law, then->of[PAIR_GAP][0], -then->of[PAIR_GAP_RATE][0], true);
+        p->end = s;
+        p->terminal = (struct terminal_event){next == p->regime ? (double)INFINITY : s, next, false};
     }
 }
 
@@ -304,20 +304,6 @@ static void collocated_sample(struct segment *p)
         p->output.s[p->output.count] = s;
         pair_collocation_sample_averaged(&p->as.collocation, s, &p->output.at[p->output.count]);
     }
-}
-
-/* Smallest distance d of a node from the centre, as a fraction of the reach. The sum d = reach + x loses one
- * decimal digit where d is a tenth of the reach. If a node is nearer, the motion between the nodes may be
- * nearer still. */
-static const double NEAR_CENTRE = 0.1;
-
-/* Whether local coordinates are accurate throughout the segment. */
-static bool collocated_stays_off_centre(struct segment *p)
-{
-    const struct collocation *step = &p->as.collocation.step;
-    return step->from.head_on || p->clear_of_centre ||
-           largest_size(p, PAIR_GAP) < (1.0 - NEAR_CENTRE) * step->from.reach ||
-           (step->kind == COLLOCATION_OVERDAMPED && !(terminal_event_centre(p) < (double)INFINITY));
 }
 
 /* Longest averaged step [radians of the tangential motion]: twelve nodes have full accuracy over it, with
@@ -803,11 +789,13 @@ static void add_torque_impulse(const struct contact_pair *pair, const struct tor
 
 /* Returns the s at which the centre is no longer beyond the side or the cap. `beyond` is the exact distance
  * at the start [m], from which the sample differs by the segment's tolerance. A centre outside by up to
- * `rounding` counts as within. */
+ * `rounding` counts as within. A centre that is as near the edge at the start is on its way out of a face; it
+ * counts as within only once it has gone inwards by `rounding`. */
 static double end_of_rim_by(struct segment *p, enum pair_quantity quantity, double beyond, double rounding)
 {
-    const double missing = beyond - p->output.at[0].of[quantity][0];
-    const struct event_function margin = {quantity, 1.0, fmax(missing, 0.0) - rounding};
+    const double now = p->output.at[0].of[quantity][0];
+    const double raised = fmax(fmax(beyond - now, 0.0) - rounding, rounding - now);
+    const struct event_function margin = {quantity, 1.0, raised};
     return dense_output_first_event(&p->output, &margin);
 }
 
@@ -917,16 +905,6 @@ static void zone_end_note(struct segment *p)
  * show every turn: the centre may get nearer to another face in each oscillation. */
 static const double LONGEST_INSIDE = 8.0;
 
-/* Returns how long a segment inside the solid may be so that no change of the nearest face is missed [s]. */
-static double zone_longest_inside(const struct segment *p)
-{
-    if (!contact_is_capped(&p->pair.shape) || contact_is_rim(&p->pair.shape)) {
-        return (double)INFINITY;
-    }
-    const double longest = LONGEST_INSIDE * sqrt(p->pair.reduced_mass / p->pair.coefficients.k);
-    return longest < segment_time(p, p->end) && may_change_face(p) ? longest : (double)INFINITY;
-}
-
 /* The first kind that can be made is taken. For a kind without `time`, the time is unit times s. */
 static const struct {
     bool (*make)(struct segment *p);
@@ -962,28 +940,21 @@ static const struct {
 #endif
 };
 
-/* Sets the time since the start [s] and its derivative by s. */
-static void put_time_at(const struct segment *p, double s, double time[3])
-{
-    if (kinds[p->kind].time != NULL) {
-        kinds[p->kind].time(&p->as, s, time);
-        return;
-    }
-    time[0] = s * p->unit;
-    time[1] = p->unit;
-}
-
 double segment_time(const struct segment *p, double s)
 {
-    double time[3];
-    put_time_at(p, s, time);
+    double time[3] = {s * p->unit};
+    if (kinds[p->kind].time != NULL) {
+        kinds[p->kind].time(&p->as, s, time);
+    }
     return time[0];
 }
 
 double segment_pace(const struct segment *p, double s)
 {
-    double time[3];
-    put_time_at(p, s, time);
+    double time[3] = {0.0, p->unit};
+    if (kinds[p->kind].time != NULL) {
+        kinds[p->kind].time(&p->as, s, time);
+    }
     return time[1];
 }
 
@@ -1026,20 +997,6 @@ static bool make_kind(struct segment *p, enum segment_kind kind)
     return kinds[kind].make(p);
 }
 
-/* Makes a segment under Hertz's law by the series. If its first coefficients show nothing fast, the
- * quasi-static kind follows. If that kind fails, the series is made after all. */
-static void make_hertz(struct segment *p)
-{
-    p->may_be_quasi_static = SCENE_ANY_HERTZ && quasi_static_applies(p);
-    const bool is_series = make_kind(p, SEGMENT_SERIES);
-    if (!is_series && make_kind(p, SEGMENT_QUASI_STATIC)) {
-        collocated_sample(p);
-    } else if (!is_series) {
-        p->may_be_quasi_static = false;
-        (void)make_kind(p, SEGMENT_SERIES);
-    }
-}
-
 /* Returns the longest segment of bodies that are not head-on [s]. Their motion is the flight plus a deviation
  * that nearly cancels the flight, so the flight may only be so long that its rounding stays within that of
  * the gap. */
@@ -1054,23 +1011,35 @@ static double longest_by_flight(const struct segment *p)
     return longest;
 }
 
-/* Makes the segment by the first collocated kind that applies, if that segment stays clear of the centre. */
+/* Smallest distance d of a node from the centre, as a fraction of the reach. The sum d = reach + x loses one
+ * decimal digit where d is a tenth of the reach. If a node is nearer, the motion between the nodes may be
+ * nearer still. */
+static const double NEAR_CENTRE = 0.1;
+
+/* Makes the segment by the first collocated kind that applies, if that segment stays clear of the centre, so
+ * that local coordinates are accurate throughout. */
 static bool make_collocated(struct segment *p)
 {
     pair_timescales_make(&p->scales, &p->pair, &p->flight);
     return (make_kind(p, SEGMENT_AVERAGED) || make_kind(p, SEGMENT_OVERDAMPED)) &&
-           collocated_stays_off_centre(p);
+           (p->scales.problem.head_on || p->clear_of_centre ||
+            largest_size(p, PAIR_GAP) < (1.0 - NEAR_CENTRE) * p->scales.problem.reach ||
+            (p->kind == SEGMENT_OVERDAMPED && !(terminal_event_centre(p) < (double)INFINITY)));
 }
 
+/* Under Hertz's law the quasi-static kind follows if the first coefficients of the series show nothing fast.
+ * If that kind fails, the series is made after all. */
 static void make_up_to(struct segment *p, double longest)
 {
-    const bool is_hertz = SCENE_ANY_HERTZ && contact_is_hertz(&p->pair.law);
+    const bool is_hertz = contact_is_hertz(&p->pair.law);
     p->longest = p->pair.is_head_on ? longest : fmin(longest, longest_by_flight(p));
     if (!make_kind(p, is_hertz ? SEGMENT_HERTZ_ELASTIC : SEGMENT_CLOSED_FORM)) {
         frame_flight_make(&p->flight, &p->pair);
-        if (is_hertz) {
-            make_hertz(p);
-        } else if (!make_collocated(p)) {
+        p->may_be_quasi_static = SCENE_ANY_HERTZ && is_hertz && quasi_static_applies(p);
+        if (is_hertz && !make_kind(p, SEGMENT_SERIES) && make_kind(p, SEGMENT_QUASI_STATIC)) {
+            collocated_sample(p);
+        } else if (is_hertz ? p->kind == SEGMENT_QUASI_STATIC : !make_collocated(p)) {
+            p->may_be_quasi_static = false;
             (void)make_kind(p, SEGMENT_SERIES);
         }
     }
@@ -1108,9 +1077,11 @@ bool segment_make(struct segment *p, const struct scene_instant *at, int contact
     p->is_lifted =
         p->may_pull && at->q->contact[contact].friction_regime[OPPOSED_SLIP] == (int32_t)FRICTION_LIFTED;
     make_up_to(p, longest);
-    const double inside = zone_longest_inside(p);
-    if (inside < (double)INFINITY) {
-        make_up_to(p, inside);
+    if (contact_is_capped(&p->pair.shape) && !contact_is_rim(&p->pair.shape)) {
+        const double inside = LONGEST_INSIDE * sqrt(p->pair.reduced_mass / p->pair.coefficients.k);
+        if (inside < segment_time(p, p->end) && may_change_face(p)) {
+            make_up_to(p, inside);
+        }
     }
     terminal_event_at_centre(p);
     if (SCENE_ANY_ZONES) {

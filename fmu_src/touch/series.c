@@ -22,22 +22,19 @@ static inline const double *opened_of(const struct pair_series *p)
     return goes_by_u(p) ? p->terms.pace.row : p->row.gap;
 }
 
-/* Returns the rate at which d changes by its own size, at the present speed or from rest under load and
- * contact force [1/s]. */
-static double passage_rate_of(const struct contact_pair *from)
-{
-    const double force = fabs(from->coefficients.k * from->gap) / from->reduced_mass;
-    const double acceleration = force + 2.0 * vec3_norm(from->flight.c[2]);
-    return fmax(vec3_norm(from->flight.w[0]) / from->distance, sqrt(acceleration / from->distance));
-}
-
 /* The unit of s: one radian of the contact's oscillation, one decay time of its damping, or the time of
- * passage, whichever is shortest. Under Hertz's law the rates are taken at the penetration to come. The
+ * passage, whichever is shortest. In that time d changes by its own size, at the present speed or from rest
+ * under load and contact force. Under Hertz's law the rates are taken at the penetration to come. The
  * unit's order of magnitude suffices to keep the coefficients within the range of numbers. */
 static double unit_of(const struct pair_series *p, bool by_root)
 {
     const struct contact_pair *from = p->from;
-    const double passage = p->flight->dimensions > 1 ? passage_rate_of(from) : 0.0;
+    double passage = 0.0;
+    if (p->flight->dimensions > 1) {
+        const double force = fabs(from->coefficients.k * from->gap) / from->reduced_mass;
+        const double acceleration = force + 2.0 * vec3_norm(from->flight.c[2]);
+        passage = fmax(vec3_norm(from->flight.w[0]) / from->distance, sqrt(acceleration / from->distance));
+    }
     double spring = sqrt(from->coefficients.k / from->reduced_mass);
     double dashpot = from->coefficients.c / from->reduced_mass;
     double root = 1.0;
@@ -190,32 +187,14 @@ static const double FINE = 1e-13;
 static const double PART_OF_COARSE = 0.01;
 static const double COARSEST = 1e-11;
 
-static double series_accuracy(const struct segment *p, bool by_root)
-{
-    const double asked = p->tolerance / fmax(p->pair.distance, contact_reach(&p->pair.shape));
-    if (!by_root) {
-        return ROUNDING;
-    }
-    return fmax(fmin(fmax(asked, FINEST), FINE), fmin(PART_OF_COARSE * asked, COARSEST));
-}
-
-/* Whether the series is one by u. A series by u cannot start from rest at the touch, and p->longest becomes
- * the coasting time. */
-static bool goes_by_root(struct segment *p)
-{
-    if (!(SCENE_ANY_HERTZ && contact_is_hertz(&p->pair.law))) {
-        return false;
-    }
-    const double coasting = hertz_coasting_time(p);
-    p->longest = coasting > 0.0 ? coasting : p->longest;
-    return !(coasting > 0.0);
-}
-
 bool series_make(struct segment *p)
 {
     struct pair_series *made = &p->as.series;
+    const bool is_hertz = contact_is_hertz(&p->pair.law);
+    const double coasting = SCENE_ANY_HERTZ && is_hertz ? hertz_coasting_time(p) : 0.0;
+    const bool by_root = is_hertz && !(coasting > 0.0); /* no series by u starts at rest at the touch */
+    p->longest = coasting > 0.0 ? coasting : p->longest;
     p->work += SERIES_WORK;
-    const bool by_root = goes_by_root(p); /* may shorten p->longest */
     begin_series(made, &p->pair, &p->flight, by_root);
     const double *opened = opened_of(made);
     if (SCENE_ANY_HERTZ && by_root && p->may_be_quasi_static &&
@@ -225,9 +204,11 @@ bool series_make(struct segment *p)
     expansion_make(&made->terms, SERIES_FIRST, TAYLOR_TERMS);
     const double *rate = made->row.rate;
     const double speed = fmax(fabs(rate[0]), fmax(fabs(rate[1]), fabs(rate[2])));
-    const double step = expansion_reliable(
-        &made->terms, by_root ? 0.0 : fmax(p->pair.distance, contact_reach(&p->pair.shape)),
-        p->pair.reduced_mass * speed, series_accuracy(p, by_root));
+    const double size = fmax(p->pair.distance, contact_reach(&p->pair.shape));
+    const double asked = p->tolerance / size;
+    const double by_u = fmax(fmin(fmax(asked, FINEST), FINE), fmin(PART_OF_COARSE * asked, COARSEST));
+    const double step = expansion_reliable(&made->terms, by_root ? 0.0 : size, p->pair.reduced_mass * speed,
+                                           by_root ? by_u : ROUNDING);
     if (SCENE_ANY_HERTZ && by_root) { /* the bodies part where u passes through zero */
         const bool opens = opened[0] == 0.0 && !(opened[1] > 0.0);
         p->parting = opens ? 0.0 : taylor_first_fall(opened, TAYLOR_TERMS, step);

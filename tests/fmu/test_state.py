@@ -1,5 +1,6 @@
 """Saved states hold everything: a restored run has the bits of the run that went on, wherever restored."""
 
+import math
 import pickle
 import random
 import struct
@@ -85,7 +86,10 @@ def test_all_steps_back_to_the_start(run):
 
 
 def test_reset_equals_a_fresh_instance(run):
-    with begin(run) as fresh, bring(run) as used:
+    """Not a byte is left of a run before, whose steps have other stages than those that are kept after it."""
+    spheres = run.scene == "SphereSphere"
+    before = RUNS["spinning off a sphere, the tangential stiffness follows"] if spheres else run
+    with begin(run) as fresh, bring(before) as used:
         untouched = raw.Instance(fresh.fmu)
         used.ok("Reset")
         assert used.save() == untouched.save()
@@ -93,6 +97,7 @@ def test_reset_equals_a_fresh_instance(run):
         untouched.free()
         used.initialize({**run.values, **run.inputs(0.0)}, tolerance=run.tolerance)
         assert go_on(used, run, 0) == go_on(fresh, run, 0)
+        assert used.save() == fresh.save()
 
 
 def test_reset_from_any_phase(fmu):
@@ -180,34 +185,22 @@ def refused(instance: raw.Instance, blob: bytes, *words: str) -> None:
     expected(status)
 
 
-@pytest.mark.parametrize(("field", "value", "word"), [
-    ("version", 0, "version"),
-    ("version", 7, "version"),
-    ("version", 2**32 - 1, "version"),
-    ("magic", 1, "magic"),
-    ("scene", 0, "model"),
-    ("size", 0, "size"),
-    ("size", 2**63, "size"),
-    ("checksum", 0, "checksum"),
-    ("phase", 0, "header"),
-    ("phase", 6, "header"),
-    ("phase", 64, "header"),
-    ("phase", 2**31, "header"),
-    ("set_up", 2, "header"),
-    ("start_time", float("nan"), "header"),
-    ("start_time", float("inf"), "header"),
-    ("stop_time", float("nan"), "header"),
-    ("stop_time", -1.0, "header"),
-])  # fmt: skip
-def test_a_state_with_another_header_is_refused(saved, field, value, word):
+HEADERS = {"version": (0, 8, 2**32 - 1), "magic": (1,), "scene": (0,), "size": (0, 2**63), "checksum": (0,)}
+HEADERS |= {"phase": (0, 6, 64, 2**31), "set_up": (2,)}
+HEADERS |= {"start_time": (math.nan, math.inf), "stop_time": (math.nan, -1.0)}
+WORDS = {"scene": "model"} | dict.fromkeys(("phase", "set_up", "start_time", "stop_time"), "header")
+
+
+@pytest.mark.parametrize(("field", "value"), [(field, one) for field in HEADERS for one in HEADERS[field]])
+def test_a_state_with_another_header_is_refused(saved, field, value):
     instance, blob = saved
-    assert header(blob)["version"] == 8
-    refused(instance, forge(blob, **{field: value}), word)
+    assert header(blob)["version"] == 9
+    refused(instance, forge(blob, **{field: value}), WORDS.get(field, field))
 
 
 def test_a_state_of_another_version_says_both_versions(saved):
     instance, blob = saved
-    refused(instance, forge(blob, version=77), "version 77", "expected 8")
+    refused(instance, forge(blob, version=77), "version 77", "expected 9")
 
 
 def test_a_state_of_another_fmu_is_refused():

@@ -56,9 +56,19 @@ def test_a_ball_flies_through_the_middle_of_a_hollow_body(opened, shape, method)
     check_close("position", fmu["source.position"], (0.4 - left) * ACROSS, 1e-6)
 
 
-def test_overlapping_solids_at_the_same_place_push_along_a_fixed_direction(opened, shape):
+MOVING = [1.0, 2.0, 3.0]
+LED = {"source.prescribed_displacement": [0.3, 0.5, -1.2], "destination.center": [0.4, 0.7, -0.9]}
+LED |= {"source.prescribed_angular_velocity": [0.0, 5.0, 3.0], "source.center": [0.1, 0.2, 0.3]}
+LED |= {"contact.friction": "regularized", "source.rotation": "prescribed"}
+LED |= {f"{body}.prescribed_velocity": MOVING for body in ("source", "destination")}
+LED |= {f"{body}.prescribed_displacement.derivatives": [MOVING] for body in ("source", "destination")}
+
+
+@pytest.mark.parametrize("moved", [{}, LED], ids=["at rest", "led along"])
+def test_overlapping_solids_at_the_same_place_push_along_a_fixed_direction(opened, shape, moved):
     """No normal is defined: docs name a unit vector (across a cylinder's axis). One warning is given."""
-    fmu = start(opened(FMU[shape]), concentric(shape, contact_location="outside", contact_method="penalty"))
+    values = concentric(shape, contact_location="outside", contact_method="penalty") | moved
+    fmu = start(opened(FMU[shape]), values)
     directions = []
     for _ in range(3):
         check_finite(fmu)
@@ -67,8 +77,9 @@ def test_overlapping_solids_at_the_same_place_push_along_a_fixed_direction(opene
         directions.append(fmu["contact.direction"])
         check_close("length of direction", np.linalg.norm(directions[-1]), 1.0, 1e-14)
         check_close("action and reaction", fmu["contact.source_force"], -fmu["contact.destination_force"], 0)
-        check_relative("force", np.linalg.norm(fmu["contact.source_force"]), 0.6e6, 1e-14)
+        check_relative("force", fmu["contact.source_force"] @ directions[-1], -0.6e6, 1e-14)
         fmu.step(0.1)
+        check_relative("mean force", fmu["contact.mean_force"], fmu["contact.source_force"], 1e-14)
     check_close("direction", directions, [directions[0]] * 3, 0)
     if shape == "cylinder":
         check_close("direction along the axis", directions[0] @ AXIS, 0.0, 1e-15)
@@ -86,11 +97,8 @@ def test_the_direction_at_the_axis_is_that_of_the_step_before(opened):
 
 
 def test_overlapping_solids_keep_the_last_direction(opened, shape):
-    fmu = opened(FMU[shape])
-    start(
-        fmu,
-        concentric(shape, contact_location="outside", source_prescribed_displacement=(0.3 * ACROSS).tolist()),
-    )
+    values = concentric(shape, contact_location="outside")
+    fmu = start(opened(FMU[shape]), values | {"source.prescribed_displacement": list(0.3 * ACROSS)})
     fmu.step(0.1)
     before = fmu["contact.direction"]
     check_close("direction", before, -ACROSS, 1e-14)

@@ -7,12 +7,9 @@ import numpy as np
 import pytest
 
 from support.checks import FMU, start
+from support.reference.pressed import unit
 
 FRAMES = ["fixed", "prescribed", "pair", "flying pair"]
-
-
-def unit(vector):
-    return np.array(vector) / np.linalg.norm(vector)
 
 
 def dying_scene(draw, shape, inside, frame):

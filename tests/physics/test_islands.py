@@ -68,8 +68,7 @@ def test_an_island_under_hertz_law_takes_few_series(fmu_path):
     values = {f"touch[{i}].law": "hertz" for i in range(1, 5)}
     values |= {f"touch[{i}].hertz_stiffness": 1e8 for i in range(1, 5)}
     with ContactFmu(fmu_path("NewtonsCradle")) as fmu:
-        fmu.start(values, tolerance=1e-5)
-        fmu.step(0.03)
+        run(fmu, values, 0.03, 1, 1e-5, None)
         found = [fmu[f"ball[{i}].velocity"][0] for i in range(1, 6)]
         check_close("velocities", found, velocities(5, "hertz", 60.0), 1e-10)
         assert fmu["solver.fallbacks"] == 0
@@ -79,9 +78,9 @@ def test_an_island_under_hertz_law_takes_few_series(fmu_path):
 @pytest.mark.parametrize("law", ["linear", "hertz"])
 def test_communication_points_and_saved_states_end_no_step_of_an_island(fmu_path, law):
     """If each communication point began a new step, 997 of them would cost ten times as much."""
-    start = {f"touch[{i}].law": law for i in range(1, 5)}
+    values = {f"touch[{i}].law": law for i in range(1, 5)}
 
-    def run(fmu, steps, first=0, last=1.0):
+    def go(fmu, steps, first=0, last=1.0):
         for _ in range(first, round(last * steps)):
             fmu.step(0.03 / steps)
         names = [f"ball[{i}].{one}" for i in range(1, 6) for one in ("velocity", "position")]
@@ -91,41 +90,34 @@ def test_communication_points_and_saved_states_end_no_step_of_an_island(fmu_path
     with ContactFmu(fmu_path("NewtonsCradle")) as fmu:
         evaluations, ends = [], []
         for steps in (1, 997):
-            fmu.reset()
-            fmu.start(start, tolerance=1e-9)
-            ends.append(run(fmu, steps))
+            start(fmu, values, 1e-9)
+            ends.append(go(fmu, steps))
             evaluations.append(fmu["solver.force_evaluations"])
         check_close("the end", ends[1], ends[0], 1e-9)
         # the phase of a chain that follows an event in a short step ends with the step, the next is long
         assert evaluations[1] < (4 if law == "linear" else 2) * evaluations[0]
-        fmu.reset()
-        fmu.start(start, tolerance=1e-9)
-        within = run(fmu, 997, last=0.02)  # the balls overlap
+        start(fmu, values, 1e-9)
+        within = go(fmu, 997, last=0.02)  # the balls overlap
         assert within[-9:-1:2].max() > 0.0
         kept = fmu.save()
-        assert np.array_equal(run(fmu, 997, 20), ends[1]), "saving is not seen"
+        assert np.array_equal(go(fmu, 997, 20), ends[1]), "saving is not seen"
         fmu.restore(kept)
-        assert np.array_equal(run(fmu, 997, 20), ends[1])
+        assert np.array_equal(go(fmu, 997, 20), ends[1])
         with ContactFmu(fmu_path("NewtonsCradle")) as other:
-            other.start(start, tolerance=1e-9)
+            start(other, values, 1e-9)
             other.restore(bytes(kept))
-            assert np.array_equal(run(other, 997, 20), ends[1])
+            assert np.array_equal(go(other, 997, 20), ends[1])
 
 
 @pytest.mark.parametrize("law", ["linear", "hertz"])
 def test_the_peaks_of_one_long_step_are_the_tops_of_all_short_ones(fmu_path, law):
-    start = {f"touch[{i}].law": law for i in range(1, 5)}
+    values, tops = {f"touch[{i}].law": law for i in range(1, 5)}, []
     forces = [f"touch[{i}].normal_force" for i in range(1, 5)]
     with ContactFmu(fmu_path("NewtonsCradle")) as fmu:
-        fmu.start(start, tolerance=1e-9)
-        fmu.step(0.03)
+        run(fmu, values, 0.03, 1, 1e-9, None)
         peaks = np.array([fmu[f"touch[{i}].peak_force"] for i in range(1, 5)])
-        fmu.reset()
-        fmu.start(start, tolerance=1e-9)
-        tops = np.zeros(4)
-        for _ in range(3000):
-            fmu.step(1e-5)
-            tops = np.maximum(tops, [fmu[name] for name in forces])
+        run(fmu, values, 0.03, 3000, 1e-9, None, lambda fmu: tops.append([fmu[name] for name in forces]))
+    tops = np.max(tops, axis=0)
     assert np.all(peaks >= tops * (1.0 - 1e-9))
     check_close("peaks", peaks / tops, np.ones(4), 1e-3)  # a sample lies beside the top
 
@@ -218,16 +210,42 @@ def test_fixed_bodies_that_overlap_press_while_a_ball_bounces_and_rubs(opened_se
     check_close("motion", ends[1], ends[0], 1e-8)
 
 
+def test_friction_of_prescribed_bodies_is_the_same_beside_a_free_one(opened_several):
+    """At the touch the limit of friction is zero, and no body feels how it grows. The slip turns."""
+    fmu, speed, bend, forces = opened_several("Islands"), [0.6, -0.5, -0.5], [0.0, 30.0, 0.0], []
+    for moving in ([], [2]):
+        values = bouncing("elastic", moving, 1e4, [1] * 6) | {"ball[1].motion": "prescribed"}
+        values |= {"ball[1].center": [0, 0, 0.101], "ball[1].prescribed_velocity": speed}
+        values |= {"ball[1].prescribed_displacement.derivatives": [speed, bend], "land[1].law": "hertz"}
+        run(fmu, values | {"ball[1].prescribed_velocity.derivatives": [bend]}, 0.02, 1, 1e-9)
+        forces.append(fmu["land[1].mean_force"])
+    check_close("mean force", forces[1], forces[0], 1e-9)
+
+
+@pytest.mark.parametrize("loads", ["a touch", "gravity"])
+@pytest.mark.parametrize("method", METHODS[:2])
+def test_friction_sticks_where_its_limit_grows_faster_than_its_spring(opened_several, method, loads):
+    """A load that jumps makes the limit rise at once, by the dashpot of the normal force."""
+    values = {"ball[1].motion": "free", "ball[2].motion": "fixed" if loads == "gravity" else "free"}
+    values |= {"ball[1].center": [0.0, 0.0, 0.1 - 9.81e-4], "ball[1].initial_velocity": [0.1, 0.0, 0.0]}
+    values |= {"ball[2].center": [0.0, 0.0, 0.31], "ball[2].initial_velocity": [0.0, 0.0, -1.0]}
+    values |= {"land[1].method": "penalty_dynamic", "land[1].tangential_stiffness": 1e4}
+    fmu = run(opened_several("Islands"), bouncing("elastic", [], 1e4, []) | values, 0.01, 1, 1e-10, method)
+    place, speed = fmu["ball[1].position"][0], fmu["ball[1].velocity"][0]
+    fmu["gravity"] = [0.0, 0.0, -109.81 if loads == "gravity" else -9.81]
+    fmu.step(0.001)
+    slides = max(fmu["touch[1,2].last_onset_time"] - 0.01, 0.0)
+    stretched = fmu["ball[1].position"][0] - place - slides * (speed - 0.15 * 9.81 * slides)
+    check_close("friction", fmu["land[1].friction_force"][0], -(0.3 * 9.81 + 1e4 * stretched), 1e-8)
+
+
 def test_a_ball_that_spin_drives_while_it_bounces_meets_its_neighbour(opened_several):
     """Before the bounce is over, friction turns spin into a speed several times that of the impact. If the
     bound of that speed left the energy of rotation out, the neighbour would count as far until then."""
-    values = {"gravity": [0.0, 0.0, 0.0]}
-    for i in range(1, 7):
-        values |= {f"ball[{i}].motion": "fixed", f"ball[{i}].center": [i, 1e3, 1e3]}
+    values = bouncing("regularized", [], 1e3, []) | {"gravity": [0.0, 0.0, 0.0]}
     values |= {"ball[1].motion": "free", "ball[1].rotation": "free", "ball[2].motion": "free"}
     values |= {"ball[1].center": [0.0, 0.0, 0.1001], "ball[1].initial_velocity": [0.0, 0.0, -0.3]}
     values |= {"ball[1].initial_angular_velocity": [0.0, 200.0, 0.0], "ball[2].center": [0.25, 0.0, 0.12]}
-    values |= {"land[1].method": "penalty", "land[1].penalty_factor": 1e3, "land[1].friction": "regularized"}
     values |= {"land[1].friction_coefficient": 20.0, "land[1].slip_velocity_control": "user_defined"}
     values |= {"land[1].characteristic_slip_velocity": 0.1}
     values |= {"touch[1,2].method": "penalty", "touch[1,2].penalty_factor": 1e5}
@@ -259,7 +277,7 @@ def test_the_races_share_a_load_as_springs_do(fmu_path, law):
     values |= {f"on_{race}[{i}].law": law for race in ("inner", "outer") for i in range(1, 10)}
     values |= {f"on_{row}[{i}].hunt_crossley_factor": 2e3 for row in ("inner", "outer") for i in range(1, 10)}
     with ContactFmu(fmu_path("BallBearing")) as fmu:
-        fmu.start(values, tolerance=1e-9)
+        start(fmu, values, 1e-9)
         fmu.step({"linear": 3e-3, "hertz": 8e-3}[law])  # until the damping has brought it to rest
         found = [fmu[f"on_inner[{i}].normal_force"] for i in range(1, 10)]
         assert fmu["solver.islands"] == 1
@@ -270,14 +288,9 @@ def test_the_races_share_a_load_as_springs_do(fmu_path, law):
 
 def test_a_tight_tolerance_costs_a_bearing_few_steps_more(fmu_path):
     """If errors by rounding were not allowed for, there would be fourteen times as many steps."""
-    steps = {}
     with ContactFmu(fmu_path("BallBearing")) as fmu:
-        for tolerance in (1e-5, 1e-9):
-            fmu.reset()
-            fmu.start({}, tolerance=tolerance)
-            fmu.step(0.01)
-            steps[tolerance] = fmu["solver.steps"]
-    assert steps[1e-9] < 2 * steps[1e-5]
+        steps = [run(fmu, {}, 0.01, 1, tolerance, None)["solver.steps"] for tolerance in (1e-5, 1e-9)]
+    assert steps[1] < 2 * steps[0]
 
 
 @pytest.mark.parametrize(("law", "thrust"), [("linear", 100.0), ("linear", 700.0), ("hertz", 700.0)])
@@ -292,7 +305,7 @@ def test_a_thrust_opens_the_angle_of_contact(fmu_path, law, thrust):
     races = [f"on_{race}[{i}]" for race in ("inner", "outer") for i in range(1, 10)]
     values = {f"{one}.law": law for one in races} | {f"{one}.hunt_crossley_factor": 5.0 for one in races}
     with ContactFmu(fmu_path("GroovedBearing")) as fmu:
-        fmu.start(values | {"inner.external_force": [0, thrust, 0]}, tolerance=1e-10)
+        start(fmu, values | {"inner.external_force": [0, thrust, 0]}, 1e-10)
         fmu.step(0.06)  # until the damping has brought it to rest
         check_close("loads", [fmu[f"{one}.normal_force"] for one in races], load(alpha), 1e-6 * load(alpha))
         check_close("shift", fmu["inner.displacement"], [0, apart * np.tan(alpha), 0], 1e-11)
@@ -303,11 +316,7 @@ def test_a_thrust_opens_the_angle_of_contact(fmu_path, law, thrust):
 
 def fall(fmu, x, steps=1):
     """Returns where the ball of a Galton board is after 0.3 s and some ten impacts."""
-    fmu.reset()
-    fmu.start({"ball.center": [x, 0, 0.018]}, tolerance=1e-11)
-    for _ in range(steps):
-        fmu.step(0.3 / steps)
-    return fmu["ball.position"]
+    return run(fmu, {"ball.center": [x, 0, 0.018]}, 0.3, steps, 1e-11, None)["ball.position"]
 
 
 @pytest.mark.parametrize("x", [1e-4, 2.3e-4, 4.1e-4])
@@ -358,19 +367,16 @@ def ball(random, radius, centre, turning, moves):
     velocity = random.normal(size=3) * pick(random, 0.0, 0.3, 1.0) - 1.5 * centre * pick(random, 0.0, 1.0)
     values = {"radius": radius, "mass": random.uniform(0.2, 3.0), "motion": "free" if moves else "fixed"}
     values |= {"rotation": "free" if turns else "none", "center": centre}
-    values |= {"velocity": velocity if moves else np.zeros(3)}
-    values |= {"spin": random.normal(size=3) * pick(random, 0.0, 5.0) if turns else np.zeros(3)}
-    values |= {"force": force}
-    return values
+    spin = random.normal(size=3) * pick(random, 0.0, 5.0) if turns else np.zeros(3)
+    return values | {"velocity": velocity if moves else np.zeros(3), "spin": spin, "force": force}
 
 
 def contact(random, source, destination, turning):
     law = pick(random, "linear", "linear", "hertz")
     stiffness = 10.0 ** random.uniform(4.0, 7.0) * (20.0 if law == "hertz" else 0.3)
     damping = random.uniform(0.02, 0.5) if law == "hertz" else random.uniform(0.01, 0.6) * np.sqrt(stiffness)
-    mu = random.uniform(0.05, 0.6)
-    values = {"source": source, "destination": destination, "law": law, "k": stiffness}
-    values |= {"c": pick(random, 0.0, damping)}
+    mu, c = random.uniform(0.05, 0.6), pick(random, 0.0, damping)
+    values = {"source": source, "destination": destination, "law": law, "k": stiffness, "c": c}
     values |= {"dashpot": pick(random, "non_adhesive", "unclamped", "approach_only")}
     values |= {"friction": pick(random, "none", "regularized", "elastic") if turning else "none", "mu": mu}
     values |= {"mu_static": mu * pick(random, 1.0, 1.3), "v_0": 10.0 ** random.uniform(-3.0, -1.0)}
@@ -392,10 +398,8 @@ def scene_of(seed):
     below, beside = (centres - radii[:, None]).min(axis=0)[[2, 0]]
     has_floor, has_wall = kind == "heap" or random.random() < 0.4, random.random() < 0.2
     tilted = np.array([1.0, 0.2, 0.1]) / np.linalg.norm([1.0, 0.2, 0.1])
-    planes = [
-        ((0.0, 0.0, 1.0), (0.0, 0.0, below - pick(random, 0.0, 1e-3, 0.05) if has_floor else -50.0)),
-        (tuple(tilted), (beside - 0.1 if has_wall else -50.0, 0.0, 0.0)),
-    ]
+    planes = [((0.0, 0.0, 1.0), (0.0, 0.0, below - pick(random, 0.0, 1e-3, 0.05) if has_floor else -50.0))]
+    planes += [(tuple(tilted), (beside - 0.1 if has_wall else -50.0, 0.0, 0.0))]
     pairs = [(i, j) for i in range(count) for j in (*range(i + 1, count), -1, -2)]
     gravity = (0.0, 0.0, -9.81 if has_floor else pick(random, 0.0, -1.0))
     return balls, planes, [contact(random, i, j, turning) for i, j in pairs], gravity
@@ -419,10 +423,8 @@ def row_of(seed):
         balls[k]["mass"] = pick(random, 1.0, balls[k]["mass"])
         balls[k]["force"] = balls[k]["force"] if own else np.zeros(3)
     away = [pick(random, 0.0, 1e-3, 0.05, 50.0) for _ in range(2)]
-    planes = [
-        (tuple(along), tuple((-radii[0] - away[0]) * along)),
-        (tuple(-along), tuple((places[5] + radii[5] + away[1]) * along)),
-    ]
+    planes = [(tuple(along), tuple((-radii[0] - away[0]) * along))]
+    planes += [(tuple(-along), tuple((places[5] + radii[5] + away[1]) * along))]
     pairs = [(i, j) for i in range(6) for j in (*range(i + 1, 6), -1, -2)]
     made = (contact(random, i, j, False) | {"k": 10.0 ** random.uniform(3.5, 7.0)} for i, j in pairs)
     contacts = [one | {"law": "linear", "c": 0.0} for one in made]

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from contact_fmus.fmu.contact_fmu import FmuError
-from support.checks import check_close, run
+from support.checks import check_close, run, start
 
 
 def test_a_step_beyond_the_range_of_numbers_is_refused_and_nothing_is_lost(opened, method):
@@ -40,3 +40,14 @@ def test_a_contact_is_met_however_long_the_step(opened, method, motion, step):
     check_close("onset", fmu["contact.last_onset_time"], 2.0 - math.sqrt(0.6**2 - 0.3**2), 1e-14)
     assert fmu["contact.last_duration"] > 1e-3
     assert fmu["source.position"][1] > 0.299
+
+
+@pytest.mark.parametrize("friction", ["regularized", "elastic"])
+def test_a_ball_at_rest_takes_few_steps_however_long(opened, friction):
+    """The general segment takes them. Rounding of the weight, left to itself for so long, moves it 0.1 km."""
+    values = {"source.rotation": "free", "contact.friction": friction, "contact.location": "inside"}
+    fmu = start(opened("SphereSphere"), values | {"source.center": [0.0, 0.0, -0.4]}, 1e-9)
+    for size in (1e3, 1e5, 1e7):
+        fmu.step(size)
+    assert fmu["solver.steps"] < 500 and fmu["solver.fallbacks"] > 0
+    check_close("gap", fmu["contact.gap"], -9.81e-6, 1e-12)

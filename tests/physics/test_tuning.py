@@ -85,20 +85,16 @@ def set_all_again(fmu):
 
 
 def there_and_back(fmu):
-    for name, value in {
-        "gravity": [1.0, 2.0, 3.0],
-        "contact.penalty_factor": 7e4,
-        "contact.dashpot": "unclamped",
-    }.items():
+    changes = {"gravity": [1.0, 2.0, 3.0], "contact.penalty_factor": 7e4, "contact.dashpot": "unclamped"}
+    for name, value in changes.items():
         before = fmu[name]
         fmu[name] = value
         fmu[name] = before
 
 
 def of_no_use(fmu):
-    fmu["contact.penalty_multiplier"] = 3.0
-    fmu["contact.characteristic_time"] = 3.0
-    fmu["contact.reference_modulus"] = 3.0
+    for name in ("penalty_multiplier", "characteristic_time", "reference_modulus"):
+        fmu[f"contact.{name}"] = 3.0
 
 
 def refused(fmu):
