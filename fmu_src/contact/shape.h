@@ -30,8 +30,9 @@
 #include "contact/choices.h"
 #include "math/vec3.h"
 
-/* A pair of skew cylinders, [0] of the source and [1] of the destination: the parallelogram of all
- * a along[0] + b along[1] with |a| <= half[0] and |b| <= half[1] (see below). */
+/* This struct describes a pair of skew cylinders by the parallelogram of all a along[0] + b along[1] with
+ * |a| <= half[0] and |b| <= half[1], where [0] belongs to the source and [1] to the destination. The zones
+ * of the parallelogram are listed before SKEW_ZONE below. */
 struct skew_frame {
     struct vec3 along[2];  /* e_s and -e_d, unit vectors */
     double half[2];        /* of the lengths [m], may be INFINITY; 0: no pair of skew cylinders */
@@ -105,7 +106,8 @@ bool contact_is_circle(const struct contact_shape *shape);
 /* Returns the parallelogram of skew cylinders. Other shapes have none, and their result may not be used. */
 const struct skew_frame *contact_skew_frame(const struct contact_solid *solid);
 
-/* Whether the shape is a pair of skew cylinders, or a zone of one; whether the shape has zones. */
+/* contact_is_skew tells whether the shape is a pair of skew cylinders or a zone of such a pair,
+ * contact_is_zoned whether the shape has zones. */
 bool contact_is_skew(const struct contact_shape *shape);
 
 bool contact_is_zoned(const struct contact_shape *shape);

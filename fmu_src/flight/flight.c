@@ -286,8 +286,9 @@ bool flight_defer(struct scene_state *q, double end_time)
     if (!(remaining > 0.0 && clock < q->deferrable_clock)) {
         return false;
     }
-    if (!q->deferred) {
+    if (!q->marked) {
         transition_mark_step(q); /* ends the means and peaks of the step before */
+        q->marked = 1;
     }
     q->deferred_from = q->clock;
     q->clock = clock;

@@ -23,7 +23,7 @@ bool step_plainly_in_order(const struct instance *instance, double point, double
 #define MESSAGE_SIZE 1024
 #define NAME_SHOWN 200
 
-/* The names of the categories by the status of their messages, and of all categories. */
+/* The status of a category's messages is the index of its name. The last name stands for all categories. */
 static const char *const category_names[] = {
     [MODEL_OK] = "logEvents",
     [MODEL_WARNING] = "logStatusWarning",

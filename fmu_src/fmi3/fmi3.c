@@ -214,7 +214,7 @@ CALL3(GetOutputDerivatives, STEPS, PHASES_WITHIN(PHASES_STEPPED),
        fmi3Float64 values[], size_t count),
       instance_output_derivatives(instance, vr, orders, nvr, values, count))
 
-/* A function that multiplies with the matrix of derivatives. */
+/* Defines a function that multiplies with the matrix of derivatives. */
 #define PRODUCT3(function, is_adjoint)                                                                       \
     CALL3(function, ANY, PHASES_READ(PHASES_INITIALIZED),                                                    \
           (fmi3Instance c, const fmi3ValueReference unknowns[], size_t nUnknowns,                            \

@@ -990,7 +990,7 @@ static void put_blocks_of_normals(const struct iteration *it, int c, int d, doub
     }
 }
 
-/* Vectors at the stages of a step, one component after the other. */
+/* This struct holds vectors at the stages of a step, one component after the other. */
 struct stage_vectors {
     double x[RADAU_MOST_STAGES], y[RADAU_MOST_STAGES], z[RADAU_MOST_STAGES];
 };

@@ -20,7 +20,7 @@
 
 /* An advance integrates one phase within fixed regimes, up to a clock or to the first change of a regime. */
 
-/* The reason why an advance or a whole step ended. */
+/* This enumeration tells why an advance or a whole step ended. */
 enum advance_result {
     ADVANCE_REACHED,    /* the end */
     ADVANCE_EVENT,      /* a change of a regime, which ends no step */

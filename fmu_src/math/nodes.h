@@ -6,8 +6,8 @@
 #include "math/node_tables.h"
 #include "math/vec3.h"
 
-/* Functions known at the twelve Lobatto nodes of a step, s in [0, 2]; as coefficients they are polynomials of
- * s - 1. */
+/* The functions of this file are known at the twelve Lobatto nodes of a step, s in [0, 2]. Their coefficients
+ * are those of polynomials of s - 1. */
 
 typedef double nodal_values[LOBATTO_MAX];
 

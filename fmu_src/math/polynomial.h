@@ -15,10 +15,10 @@ struct polynomial {
 struct polynomial polynomial_derivative(const struct polynomial *p);
 
 /*
- * Adds every s in (0, 1) where p changes sign (at most as many as the degree) to `count` ascending numbers,
- * and keeps all ascending. Returns the new count. Between the roots of its derivative p is monotone and has
- * one root at most, so none is missed. Roots where p touches zero without a change of sign are not reported.
- * Each root is exact to the rounding of p.
+ * Adds every s in (0, 1) at which p changes sign to the `count` numbers of `sorted`, and keeps these in
+ * ascending order. There are at most as many changes as the degree of p. Returns the new count. Between the
+ * roots of its derivative p is monotone and has one root at most, so none is missed. Roots where p touches
+ * zero without a change of sign are not reported. Each root is exact to the rounding of p.
  */
 int polynomial_add_sign_changes(const struct polynomial *p, double *sorted, int count);
 

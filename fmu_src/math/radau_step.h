@@ -71,13 +71,12 @@ void radau_step_begin(struct radau_step *p, double clock, const double *y);
 /* Starts iterations from the last polynomial if it begins or ends at the start, else from the rates there. */
 void radau_step_guess_on(struct radau_step *p, const struct radau_stages *stages, double length);
 
-/* radau_step_pending writes the integrals of rates of the others from the start to each stage less `done`,
- * 1 or 0, times the changes of the others, for at least `count` of the others from `first` on. All arrays are
- * [stage][p->width].
- * radau_step_integrate sets the changes of the coupled states to the integrals, and returns the largest
- * weighted difference from the changes before. After radau_step_guess_on from a polynomial,
- * radau_step_guess_rates gives the rates of `count` states from `first` on, along the guess, at
- * [stage * count + state]. */
+/* radau_step_pending serves at least `count` of the others, the coupled states that are no places, from
+ * number `first` on. It writes the integrals of their `rates` from the start to each stage, less `done` (1
+ * or 0) times their changes. All arrays are [stage][p->width]. radau_step_integrate sets the changes of
+ * the coupled states to the integrals, and returns the largest weighted difference from the changes
+ * before. After radau_step_guess_on from a polynomial, radau_step_guess_rates gives the rates of `count`
+ * states from `first` on, along the guess, at [stage * count + state]. */
 void radau_step_pending(const struct radau_step *p, int first, int count, const double *rates, double done,
                         double *pending);
 double radau_step_integrate(struct radau_step *p, const double *rates);

@@ -272,6 +272,7 @@ static bool motion_is_sound(const struct scene_state *q, bool initialized)
     const bool clocks_are_sound =
         q->clock >= 0.0 && !isnan(q->horizon_clock) && !isnan(q->deferrable_clock) &&
         (q->deferred == 0 || q->deferred == 1) && (q->only_flies == 0 || q->only_flies == 1) &&
+        (q->marked == 0 || q->marked == 1) &&
         (q->deferred == 0 || (q->deferred_from >= 0.0 && q->deferred_from <= q->clock));
     /* Larger coefficients would overflow when the path's origin is moved; inputs and derivatives stay below
      * 1e150. */

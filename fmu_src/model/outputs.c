@@ -175,8 +175,9 @@ static void put_rubbing_terms(struct scene_values *v, const struct scene_jet *al
     }
 }
 
-/* Distance from an open end, in rounding bounds of the axial position, below which rounding may decide the
- * side: the position may be wrong by a bound to either side, at two times that are compared. */
+/* Rounding may decide on which side of an open end a source is, where its distance from the end is less than
+ * so many rounding bounds of the axial position. The position may be wrong by a bound to either side, at two
+ * times that are compared. */
 static const double END_ROUNDINGS = 4.0;
 
 /* Whether outputs show the source within the extents of the destination. Where rounding may put the source on
@@ -350,8 +351,8 @@ static void present_body(struct scene_values *v, const struct scene_state *q, in
     put_body_velocity(v, body, at.velocity);
 }
 
-/* Computes the body outputs of `all` bodies at their present places, or of those that are not free. Inlined
- * into outputs_foresee, this code would make that function save more registers at each call. */
+/* Computes the outputs of bodies at their present places: of all bodies, or of those alone that are not free.
+ * The function is not inlined into outputs_foresee, which would then save more registers at each call. */
 CONTACT_NOINLINE static void show_bodies(struct model *m, bool all)
 {
     struct scene_values *v = &m->state.values;

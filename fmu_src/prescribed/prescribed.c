@@ -36,15 +36,16 @@ struct integrals {
 enum { PANEL_NODES = 8, PANEL_END = PANEL_NODES - 1 };
 #define PANEL_RULE (&lobatto[LOBATTO_EIGHT])
 
-/* A clock of a panel, the springs there (struct turning_state), and the event functions of scene/ode.h. */
+/* This struct holds the clock of a node, the springs there (struct turning_state), and the event functions of
+ * scene/ode.h. */
 struct panel_node {
     double clock;
     struct vec3 spring[OPPOSED];
     double events[ODE_EVENTS_EACH];
 };
 
-/* A panel of the Lobatto rule. The springs are found by collocation at the nodes of this rule. Integrals and
- * springs have the order 14 at the end of the panel. */
+/* This struct describes a panel of the Lobatto rule. Collocation at the nodes of the rule gives the springs.
+ * Integrals and springs have the order 14 at the end of the panel. */
 struct panel {
     struct integrals of;
     double noise; /* rounding of the force, the smaller of those at both ends [N] */
@@ -53,7 +54,8 @@ struct panel {
     struct panel_node node[PANEL_NODES];
 };
 
-/* One contact over a length of time. The clock and the springs of q show how far it has come. */
+/* This struct describes the integration of one contact. The clock and the springs of q show how far it has
+ * come. */
 struct span {
     struct scene_state *q;
     int contact;
@@ -849,8 +851,8 @@ static void change_contact(struct span *s)
     counter_add(&s->q->counters.events, 1);
 }
 
-/* Integrates from touch to parting to touch. Returns false where the panels or the evaluations that the step
- * may take are used up. */
+/* Integrates a contact up to the clock `end`, piece by piece between touches and partings. Returns false
+ * where the step has used up its panels or its evaluations. */
 static bool integrate_located(struct span *s, double end)
 {
     while (s->q->clock < end) {

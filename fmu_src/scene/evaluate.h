@@ -67,8 +67,8 @@ bool scene_is_hertz(const struct scene_values *v, int contact);
 /* Whether a contact has Hertz's law and its damping follows from the speed at each onset. */
 bool scene_damps_by_onset(const struct scene_values *v, int contact);
 
-/* The first function returns the motion of one body at a clock, for a free body the motion that q holds; the
- * second returns u [m] of a body that has `moved` [m] since clock 0. */
+/* scene_body_at returns the motion of a body at a clock, for a free body the motion that q holds.
+ * scene_displacement_of returns u [m] of a body that has `moved` [m] since clock 0. */
 struct body_state scene_body_at(const struct scene_state *q, double clock, int body);
 struct vec3 scene_displacement_of(const struct scene_state *q, int body, struct vec3 moved);
 
@@ -204,8 +204,8 @@ double rounding_margin_offset(const struct scene_instant *at, int contact, doubl
  * its axis the part along the axis. A bearing takes the torques across that axis; the model leaves it out. */
 struct vec3 body_part_that_turns(const struct scene_values *v, int body, struct vec3 a);
 
-/* The sums of the forces [N] and torques [N m] of the contacts of a body; contact_load_add adds those of one
- * contact, with its force on the source. */
+/* This struct holds the sums of the forces [N] and torques [N m] of the contacts of a body. contact_load_add
+ * adds those of one contact, whose force on the source is `force`. */
 struct contact_load {
     struct vec3 force, torque;
 };

@@ -447,13 +447,13 @@ static enum contact_regime pass_zone(struct scene_state *q, struct scene_instant
     return jumps ? scene_regime(at, contact, true) : (enum contact_regime)state->regime;
 }
 
-/* Lets friction without a dashpot stick where its limit now grows faster than the slip stretches the spring:
- * gravity or the force of another contact on one of the bodies has jumped, and with it the rate of F_n. After
- * a jump of another input transition_settle_regimes does so. */
-static inline void hold_springs(struct scene_state *q)
+/* Lets contacts with elastic friction without a dashpot stick where the limit of friction now grows faster
+ * than the slip stretches the spring. The cause is that gravity or the force of another contact on one of the
+ * bodies has jumped, and with it the rate of F_n. After jumps of other inputs transition_settle_regimes lets
+ * contacts stick. */
+static void hold_springs(struct scene_state *q)
 {
-    const bool may_hold = SCENE_ANY_SPRINGS && scene_turns(q->v);
-    for (int k = 0; may_hold && k < SCENE_CONTACTS * OPPOSED; ++k) {
+    for (int k = 0; SCENE_ANY_SPRINGS && k < SCENE_CONTACTS * OPPOSED; ++k) {
         if (!contact_has_spring(q->v, k / OPPOSED, k % OPPOSED) || !contact_transmits(q, k / OPPOSED)) {
             continue;
         }
@@ -490,7 +490,9 @@ static void change_regime(struct scene_state *q, int contact, enum contact_regim
     }
     transition_set_regime(q, contact, onset_note(q, at, contact, regime));
     zones_follow(q, at, contact);
-    hold_springs(q);
+    if (SCENE_CONTACTS > 1) {
+        hold_springs(q);
+    }
     q->dissipated += before - energy_stored(at); /* what the stored energy loses by the change */
 }
 
@@ -502,7 +504,9 @@ void transition_take_event(struct scene_state *q, int contact, int event, enum c
     scene_rebase(q);
     if (is_friction) {
         turning_take_event(q, contact, (enum ode_event)event);
-        hold_springs(q);
+        if (SCENE_CONTACTS > 1) {
+            hold_springs(q);
+        }
     }
     scene_kinematics_now(q, at);
     if (!is_friction) {
@@ -564,6 +568,7 @@ void transition_begin_step(struct scene_state *q, struct scene_instant *at)
 {
     scene_now(q, at);
     q->step_length = 0.0;
+    q->marked = 0;
     transition_mark_step(q);
     note_instant(q, at);
 }

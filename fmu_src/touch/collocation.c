@@ -418,9 +418,10 @@ static double along_oscillation(const struct collocation *p, const double *a, do
            by_rate * (nodal_slope(q, s) * y[1] - nodal_slope(q, 0.0) * p->result.y_rate);
 }
 
-/* The dissipated energy follows from the oscillator's balance of energy, which is exact at any frequency:
- * damping_rate x'^2 = -(x'^2 / 2 + omega2 x^2 / 2)' + f x'. The nodes' quadrature is exact for the product of
- * the polynomials f and (x - y)'. */
+/* The dissipated energy follows from the oscillator's balance of energy, which is exact at any frequency.
+ * With the deviation x, its oscillation y and the load f this balance is damping_rate x'^2 = -(x'^2 / 2 +
+ * omega2 x^2 / 2)' + f x'. Quadrature by the nodes is exact for the product of the polynomials f and (x -
+ * y)'. */
 double collocation_dissipated(const struct collocation *p, double s)
 {
     const double omega2 = p->from.omega2 * p->half * p->half;

@@ -808,7 +808,8 @@ static double end_at_rim(struct segment *p)
                 end_of_rim_by(p, PAIR_AXIAL, place.axial, rounding));
 }
 
-/* A segment along a face of the solid, with the centre near the face or inside the solid. */
+/* This struct describes a segment along a face of the solid, with the centre near the face or inside the
+ * solid. */
 struct face_path {
     const struct segment *segment;
     double raised; /* amount added to the margin, see sample_depth_margin [m] */
@@ -1011,35 +1012,49 @@ static double longest_by_flight(const struct segment *p)
     return longest;
 }
 
-/* Smallest distance d of a node from the centre, as a fraction of the reach. The sum d = reach + x loses one
- * decimal digit where d is a tenth of the reach. If a node is nearer, the motion between the nodes may be
- * nearer still. */
+/* The distance d of a node from the centre is at least this fraction of the reach. The sum d = reach + x
+ * loses one decimal digit where d is a tenth of the reach. If a node is nearer, the motion between the
+ * nodes may be nearer still. */
 static const double NEAR_CENTRE = 0.1;
 
-/* Makes the segment by the first collocated kind that applies, if that segment stays clear of the centre, so
- * that local coordinates are accurate throughout. */
+/* Whether a collocated segment stays so far from the centre that local coordinates are accurate. */
+static bool stays_off_centre(struct segment *p)
+{
+    return p->scales.problem.head_on || p->clear_of_centre ||
+           largest_size(p, PAIR_GAP) < (1.0 - NEAR_CENTRE) * p->scales.problem.reach ||
+           (p->kind == SEGMENT_OVERDAMPED && !(terminal_event_centre(p) < (double)INFINITY));
+}
+
+/* Makes the segment by the first collocated kind that applies, if that segment stays off the centre. */
 static bool make_collocated(struct segment *p)
 {
     pair_timescales_make(&p->scales, &p->pair, &p->flight);
-    return (make_kind(p, SEGMENT_AVERAGED) || make_kind(p, SEGMENT_OVERDAMPED)) &&
-           (p->scales.problem.head_on || p->clear_of_centre ||
-            largest_size(p, PAIR_GAP) < (1.0 - NEAR_CENTRE) * p->scales.problem.reach ||
-            (p->kind == SEGMENT_OVERDAMPED && !(terminal_event_centre(p) < (double)INFINITY)));
+    return (make_kind(p, SEGMENT_AVERAGED) || make_kind(p, SEGMENT_OVERDAMPED)) && stays_off_centre(p);
 }
 
-/* Under Hertz's law the quasi-static kind follows if the first coefficients of the series show nothing fast.
- * If that kind fails, the series is made after all. */
+/* Makes a segment under Hertz's law by the series. If its first coefficients show nothing fast, the
+ * quasi-static kind follows. If that kind fails, the series is made after all. */
+static void make_hertz(struct segment *p)
+{
+    p->may_be_quasi_static = SCENE_ANY_HERTZ && quasi_static_applies(p);
+    const bool is_series = make_kind(p, SEGMENT_SERIES);
+    if (!is_series && make_kind(p, SEGMENT_QUASI_STATIC)) {
+        collocated_sample(p);
+    } else if (!is_series) {
+        p->may_be_quasi_static = false;
+        (void)make_kind(p, SEGMENT_SERIES);
+    }
+}
+
 static void make_up_to(struct segment *p, double longest)
 {
-    const bool is_hertz = contact_is_hertz(&p->pair.law);
+    const bool is_hertz = SCENE_ANY_HERTZ && contact_is_hertz(&p->pair.law);
     p->longest = p->pair.is_head_on ? longest : fmin(longest, longest_by_flight(p));
     if (!make_kind(p, is_hertz ? SEGMENT_HERTZ_ELASTIC : SEGMENT_CLOSED_FORM)) {
         frame_flight_make(&p->flight, &p->pair);
-        p->may_be_quasi_static = SCENE_ANY_HERTZ && is_hertz && quasi_static_applies(p);
-        if (is_hertz && !make_kind(p, SEGMENT_SERIES) && make_kind(p, SEGMENT_QUASI_STATIC)) {
-            collocated_sample(p);
-        } else if (is_hertz ? p->kind == SEGMENT_QUASI_STATIC : !make_collocated(p)) {
-            p->may_be_quasi_static = false;
+        if (is_hertz) {
+            make_hertz(p);
+        } else if (!make_collocated(p)) {
             (void)make_kind(p, SEGMENT_SERIES);
         }
     }

@@ -151,8 +151,8 @@ void hertz_elastic_time(const void *hertz_elastic, double s, double time[3]);
 void hertz_elastic_moments(const void *hertz_elastic, double s, const struct pair_change *change, int count,
                            struct vec3 *moment);
 
-/* The kind for Hertz's law under a load that presses the bodies together and changes far more slowly than the
- * contact oscillates or settles. `make` leaves unit, end and samples to its caller. */
+/* The quasi-static kind serves Hertz's law under a load that presses the bodies together and changes far more
+ * slowly than the contact oscillates or settles. `make` leaves unit, end and samples to its caller. */
 bool quasi_static_applies(const struct segment *p);
 bool quasi_static_make(struct segment *p);
 

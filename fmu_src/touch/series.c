@@ -22,10 +22,11 @@ static inline const double *opened_of(const struct pair_series *p)
     return goes_by_u(p) ? p->terms.pace.row : p->row.gap;
 }
 
-/* The unit of s: one radian of the contact's oscillation, one decay time of its damping, or the time of
- * passage, whichever is shortest. In that time d changes by its own size, at the present speed or from rest
- * under load and contact force. Under Hertz's law the rates are taken at the penetration to come. The
- * unit's order of magnitude suffices to keep the coefficients within the range of numbers. */
+/* Returns the unit of s [s]. It is one radian of the contact's oscillation, one decay time of its damping,
+ * or the time of passage, whichever is shortest. In the time of passage d changes by its own size, at the
+ * present speed or from rest under load and contact force. Under Hertz's law the rates are taken at the
+ * penetration to come. The unit's order of magnitude suffices to keep the coefficients within the range of
+ * numbers. */
 static double unit_of(const struct pair_series *p, bool by_root)
 {
     const struct contact_pair *from = p->from;
