@@ -248,8 +248,8 @@ void advancement_at(const struct advancement_path *path, double time, struct adv
         const double sign = path->change == ADVANCEMENT_TOUCH ? 1.0 : -1.0;
         at->noise[i] = fmax(path->rounding, ADVANCEMENT_ROUNDINGS * (distance + shape.half_length));
         double beyond = end * at->geometry.axial - shape.half_length;
-        if (!(beyond > at->noise[i]) &&
-            in_plane) { /* a source in the end plane counts as within by more than rounding */
+        /* a source in the end plane counts as within by more than rounding */
+        if (!(beyond > at->noise[i]) && in_plane) {
             beyond = fmin(beyond, -2.0 * at->noise[i]);
         }
         at->of[i] = (struct falling){sign * beyond, sign * end * at->axial_rate, 0.0, 0.0};

@@ -228,6 +228,7 @@ struct scene_state {
     int32_t deferred;
     int32_t only_flies; /* 1: the deferred steps are flights in which nothing turns; see outputs_foresee */
     int32_t marked; /* 1: the means and peaks of the last step with a force have ended, see flight_defer */
+    int32_t unused; /* in place of padding */
     const struct scene_values *v; /* of the scene */
     double deferred_from;         /* the clock at which the last deferred step began [s] */
     struct phase_start phase;     /* used by event_driven */
