@@ -1,5 +1,5 @@
-/* The choices that a scene offers. The enumerations that begin at 1 have the values of the FMI enumerations,
- * which never change. */
+/* These are the choices that a scene offers. The enumerations that begin at 1 have the values of the FMI
+ * enumerations, which never change. */
 #ifndef CONTACT_CONTACT_CHOICES_H
 #define CONTACT_CONTACT_CHOICES_H
 

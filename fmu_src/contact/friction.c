@@ -5,8 +5,8 @@
 #include "math/compiler.h"
 #include "math/vec3.h"
 
-/* The length and the unit direction of a vector; a zero vector has the direction zero. The components are
- * divided by the length, because the inverse of a length near 1e-309 would overflow. */
+/* This struct holds the length and the unit direction of a vector; a zero vector has the direction zero. The
+ * components are divided by the length, because the inverse of a length near 1e-309 would overflow. */
 struct direction {
     double length;
     struct vec3 unit;

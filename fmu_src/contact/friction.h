@@ -1,5 +1,5 @@
 /*
- * The laws of friction and their regimes. SI units; vectors are tangent to the contact.
+ * This file has the laws of friction and their regimes, in SI units. Vectors are tangent to the contact.
  *
  *   regularized   F_t = -L (1 - exp(-|v_t| / v_0)) v_t / |v_t|,   L = min(mu F_n, F_max)
  *   elastic       F* = k_t xi + c_t v_t, the force that the tangential spring and dashpot would carry
@@ -48,7 +48,7 @@
 #include "contact/choices.h"
 #include "math/vec3.h"
 
-/* The relative motions of a contact that a law of friction opposes. Where no contact resists rolling or
+/* A law of friction opposes these relative motions of a contact. Where no contact resists rolling or
  * spinning, the slip is the only one. */
 enum opposed { OPPOSED_SLIP, OPPOSED_ROLLING, OPPOSED_SPINNING };
 enum { OPPOSED = CONTACT_ANY_ROLLING ? 3 : 1 };
@@ -64,7 +64,7 @@ struct friction_law {
     enum tangential_law tangential;
 };
 
-/* The regimes of friction. Regularized friction never sticks. */
+/* These are the regimes of friction. Regularized friction never sticks. */
 enum friction_regime {
     FRICTION_STICKING,
     FRICTION_SLIDING, /* L = mu F_n */
@@ -106,8 +106,8 @@ enum friction_regime friction_onset_regime(const struct friction_law *law, struc
 struct vec3 friction_force(const struct friction_law *law, enum friction_regime regime,
                            struct friction_state at);
 
-/* Least length of the turning spring divided by its typical length. A shorter spring turns faster, up to this
- * length. The bound changes the rate at the typical length by a fraction of 1e-10. */
+/* This is the least length of the turning spring divided by its typical length. A shorter spring turns
+ * faster, up to this length. The bound changes the rate at the typical length by a fraction of 1e-10. */
 #define FRICTION_LEAST_LENGTH 1e-5
 
 /* Whether a regime has a spring: without a dashpot no force holds the spring of a contact that is lifted. */
@@ -157,7 +157,8 @@ struct friction_missed {
     double steepness; /* the derivative by |F_t| in the first form [m/(N s)]; 0 in the second */
 };
 
-/* The derivatives by F_t, by v_t, by the spring xi and by F_n: rows of matrices, and a vector. */
+/* This struct holds the derivatives by F_t, by v_t, by the spring xi and by F_n: rows of matrices, and a
+ * vector. */
 struct friction_slopes {
     struct vec3 by_force[3], by_slip[3], by_spring[3];
     struct vec3 by_normal_force;

@@ -170,16 +170,16 @@ double hertz_stiffness(const struct contact_shape *shape, double modulus)
  */
 
 /*
- * The least coefficient of restitution of the linear law with a non-adhesive or an approach-only dashpot; a
- * smaller one counts as this, because only an infinite dashpot would give 0. A ball that leaves with a
- * millionth of its speed rises by 1e-12 of its drop height.
+ * This is the least coefficient of restitution of the linear law with a non-adhesive or an approach-only
+ * dashpot; a smaller one counts as this, because only an infinite dashpot would give 0. A ball that leaves
+ * with a millionth of its speed rises by 1e-12 of its drop height.
  */
 #define RESTITUTION_LEAST 1e-6
 
 /*
- * The least coefficient of restitution of Hertz's law; a smaller one counts as this. Near it chi v is about
- * 1/e, or 2/e^2 with an approach-only dashpot, and an integration takes steps in proportion to chi v: some
- * ten thousand at 2e6. The rebound then keeps a millionth of the kinetic energy.
+ * This is the least coefficient of restitution of Hertz's law; a smaller one counts as this. Near it chi v is
+ * about 1/e, or 2/e^2 with an approach-only dashpot, and an integration takes steps in proportion to chi v:
+ * some ten thousand at 2e6. The rebound then keeps a millionth of the kinetic energy.
  */
 #define RESTITUTION_LEAST_HERTZ 1e-3
 
@@ -194,7 +194,7 @@ static bool loses_less(double ratio, double loss)
 }
 
 /*
- * The damping ratio zeta = p_nv / (2 sqrt(p_n m_red)) of the linear law for e in [0, 1].
+ * Returns the damping ratio zeta = p_nv / (2 sqrt(p_n m_red)) of the linear law for e in [0, 1].
  *
  *   unclamped       contact ends at g = 0:      e = exp(-pi zeta / sqrt(1 - zeta^2)); e = 0: zeta = 1
  *   non-adhesive    contact ends at F_n = 0:    e = exp(-2 h(zeta))

@@ -1,6 +1,7 @@
 /*
- * The normal force laws, and first the stiffness k_h [N/m^1.5] of Hertz's force F_n = k_h delta^(3/2) [N] at
- * the penetration delta [m]. The stiffness follows from the elastic moduli and the radii of the two bodies.
+ * This file has the normal force laws, and first the stiffness k_h [N/m^1.5] of Hertz's force F_n = k_h
+ * delta^(3/2) [N] at the penetration delta [m]. The stiffness follows from the elastic moduli and the radii
+ * of the two bodies.
  *
  * Near the point of contact the undeformed surfaces are the distance A x^2 + B y^2 apart, with A <= B. The
  * contact area is an ellipse whose semi-axes b <= a have the ratio k' = b/a. With the effective modulus E*
@@ -38,7 +39,7 @@ CONTACT_COLD double mindlin_ratio(struct contact_material source, struct contact
 CONTACT_COLD double hertz_stiffness(const struct contact_shape *shape, double modulus);
 
 /*
- * The normal force law and its regimes.
+ * The normal force law has these regimes.
  *
  *   penalty            F_n = -p_n g
  *   penalty, dynamic   F_n = -p_n g - p_nv g'
@@ -91,7 +92,7 @@ enum contact_regime contact_regime_of(const struct contact_law *law, double gap,
 /* Returns F_n [N] by the smooth formula of a regime, or zero in a regime without force. */
 double contact_force(const struct contact_law *law, enum contact_regime regime, double gap, double gap_rate);
 
-/* Derivatives of a function with respect to the gap g [m] and the gap rate g' [m/s]. */
+/* This struct holds the derivatives of a function with respect to the gap g [m] and the gap rate g' [m/s]. */
 struct contact_slopes {
     double by_gap, by_rate; /* [unit/m], [unit s/m] */
 };

@@ -1,5 +1,5 @@
 /*
- * The geometry of one contact: the position of the source sphere relative to the destination, in the world
+ * The geometry of one contact is the position of the source sphere relative to the destination, in the world
  * frame, in SI units.
  *
  *   c = x_dst - x_src     separation [m], w = v_dst - v_src its rate [m/s]
@@ -175,7 +175,7 @@ struct vec3 contact_default_normal(const struct contact_shape *shape);
  * its reach is h + r_s.
  */
 
-/* The position of the source's centre: dr and dz [m]. */
+/* This struct holds the position of the source's centre: dr and dz [m]. */
 struct solid_place {
     double radial, axial;
 };
@@ -207,11 +207,11 @@ bool contact_zone_jumps(const struct contact_solid *solid, int zone, int next, s
                         double rounding);
 
 /*
- * Skew cylinders. The point of the source's axis at a e_s and that of the destination's at b e_d, from their
- * centres, are apart by c + b e_d - a e_s. So d is the distance of c from the parallelogram of all a e_s - b
- * e_d with |a| <= L_s / 2 and |b| <= L_d / 2, a strip or a plane where lengths are infinite. This set is
- * convex, so that d is convex, and n is continuous where d > 0. The nearest point of the parallelogram gives
- * ten zones:
+ * Skew cylinders follow. The point of the source's axis at a e_s and that of the destination's at b e_d, from
+ * their centres, are apart by c + b e_d - a e_s. So d is the distance of c from the parallelogram of all a
+ * e_s - b e_d with |a| <= L_s / 2 and |b| <= L_d / 2, a strip or a plane where lengths are infinite. This set
+ * is convex, so that d is convex, and n is continuous where d > 0. The nearest point of the parallelogram
+ * gives ten zones:
  *
  *   zone     a, b                      what c meets
  *   face     both within               a plane; one zone for each side of it, since n jumps where axes meet

@@ -1,6 +1,6 @@
 /*
- * Derivatives of the contact force. F_n is the normal force of the law, and the force on the source without
- * friction is F_src = -side F_n n.
+ * This file has the derivatives of the contact force. F_n is the normal force of the law, and the force on
+ * the source without friction is F_src = -side F_n n.
  */
 #ifndef CONTACT_CONTACT_SLOPES_H
 #define CONTACT_CONTACT_SLOPES_H
@@ -33,10 +33,10 @@ struct contact_jet {
     struct vec3 source_force[JET_TERMS]; /* -side F_n n */
 };
 
-/* The series of the laws of friction (friction.h) along a path. */
+/* The functions below give the series of the laws of friction (friction.h) along a path. */
 
-/* The arguments of F_t along a path: the series of F_n, v_t, xi and delta, and dv_0/ds. `terms` is the number
- * of coefficients that are wanted, 2 or JET_TERMS. */
+/* This struct holds the arguments of F_t along a path: the series of F_n, v_t, xi and delta, and dv_0/ds.
+ * `terms` is the number of coefficients that are wanted, 2 or JET_TERMS. */
 struct friction_path {
     int terms;
     double normal_force[JET_TERMS], depth[JET_TERMS];
@@ -70,7 +70,8 @@ void jet_direction(int terms, const struct vec3 a[JET_TERMS], double length[JET_
 void jet_across(int terms, const struct vec3 c[JET_TERMS], const struct vec3 direction[JET_TERMS],
                 struct vec3 across[JET_TERMS], double along[JET_TERMS]);
 
-/* The laws and their regimes: of the normal force, and of friction and both resistances (enum opposed). */
+/* This struct holds the laws and their regimes: of the normal force, and of friction and both resistances
+ * (enum opposed). */
 struct turning_laws {
     struct contact_law normal;
     struct friction_law rubbing[OPPOSED];

@@ -387,7 +387,7 @@ static int deciding(const struct advancement_path *path, const struct advancemen
     return found;
 }
 
-/* The deciding function and its slope as a root_function of time. */
+/* Returns the deciding function and its slope, as a root_function of time. */
 static void decision(const void *data, double time, double *value, double *slope)
 {
     const struct advancement_path *path = data;

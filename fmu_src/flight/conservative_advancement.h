@@ -49,7 +49,7 @@ struct axis_motion axis_motion_tumbling(struct vec3 axis, const struct body_turn
  * docs/conservative_advancement.md derives the bounds.
  */
 
-/* Number of coefficients of the separation, a polynomial of degree four at most. */
+/* This is the number of coefficients of the separation, a polynomial of degree four at most. */
 enum { ADVANCEMENT_TERMS = 5 };
 
 /* The change that the search looks for: the bodies come into contact, or contact ends. */

@@ -62,8 +62,8 @@ struct axis_motion flight_axis_motion(const struct scene_state *q, const struct 
  * zero, and its root would have less than half of its digits. */
 static const double LEAST_DISCRIMINANT = 1e-8;
 
-/* Least distance from the centre as a fraction of the reach. Nearer to the centre the gap does not show on
- * which side of the centre the source is. */
+/* This is the least distance from the centre as a fraction of the reach. Nearer to the centre the gap does
+ * not show on which side of the centre the source is. */
 static const double CLEAR_OF_CENTRE = 1e-9;
 
 struct vec3 flight_part_that_counts(const struct contact_shape *shape, struct vec3 normal, struct vec3 a)
@@ -87,7 +87,7 @@ bool flight_is_head_on(const struct contact_shape *shape, const struct separatio
     return true;
 }
 
-/* The function value + rate t + bend t^2 of the time t [s]. */
+/* This struct is the function value + rate t + bend t^2 of the time t [s]. */
 struct parabola {
     double value, rate, bend;
 };
@@ -279,16 +279,23 @@ double flight_deferrable_until(const struct scene_state *q)
     return flight_stays_finite(q, clock) ? clock : 0.0;
 }
 
+bool flight_end_means(struct scene_state *q, double end_time)
+{
+    const double remaining = scene_remaining(q, end_time);
+    if (!(remaining > 0.0 && q->clock + remaining < -q->deferrable_clock)) {
+        return false;
+    }
+    transition_mark_step(q);
+    q->deferrable_clock = -q->deferrable_clock;
+    return true;
+}
+
 bool flight_defer(struct scene_state *q, double end_time)
 {
     const double remaining = scene_remaining(q, end_time);
     const double clock = q->clock + remaining;
     if (!(remaining > 0.0 && clock < q->deferrable_clock)) {
         return false;
-    }
-    if (!q->marked) {
-        transition_mark_step(q); /* ends the means and peaks of the step before */
-        q->marked = 1;
     }
     q->deferred_from = q->clock;
     q->clock = clock;

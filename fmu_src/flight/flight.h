@@ -63,7 +63,7 @@ struct free_flight {
 /* Returns the flight of a free body that has a velocity at a clock. */
 struct free_flight free_flight_of(const struct scene_state *q, int body, double clock, struct vec3 velocity);
 
-/* Integrals of s^i over [0, 1]; multiplied by them, velocity coefficients become displacement
+/* These are the integrals of s^i over [0, 1]; multiplied by them, velocity coefficients become displacement
  * coefficients. */
 static const double FLIGHT_MEAN[FLIGHT_TERMS] = {1.0, 1.0 / 2.0, 1.0 / 3.0, 1.0 / 4.0};
 
@@ -99,15 +99,17 @@ static inline struct body_state flight_unforced_at(const struct scene_state *q, 
 }
 
 /*
- * Deferred flight: without external forces the body states are closed forms of the clock, so they are
- * computed only when they are read. flight_deferrable_until returns the clock until which deferring is
+ * In a deferred flight, which has no external forces, the body states are closed forms of the clock, so they
+ * are computed only when they are read. flight_deferrable_until returns the clock until which deferring is
  * allowed (0: not at all): no contact has a force or changes, no direction becomes undefined, and all numbers
  * stay finite. flight_defer advances the clock alone, or returns false and does nothing; in flight the peaks
- * and the mean force of the communication step are then zero. flight_catch_up computes the body states at the
- * present clock.
+ * and the mean force of the communication step are then zero. Where only the means and peaks of the last step
+ * keep flight_defer from that, flight_end_means ends them and returns true. flight_catch_up computes the body
+ * states at the present clock.
  */
 double flight_deferrable_until(const struct scene_state *q);
 bool flight_defer(struct scene_state *q, double end_time);
+bool flight_end_means(struct scene_state *q, double end_time);
 void flight_catch_up(struct scene_state *q);
 
 /* Whether no force acts on a free body but weight and contact, and speeds, places and energies stay far from

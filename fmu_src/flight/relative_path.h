@@ -11,8 +11,9 @@
 /* Largest degree of a displacement, which follows from a quadratic force or a prescribed velocity. */
 enum { SEPARATION_DEGREE = 4 };
 
-/* Coefficients of the separation c and its rate w as polynomials of the time since the present [m, m/s, ...].
- * For consistent prescribed motion w = dc/dt; the force law uses the prescribed velocity as it is given. */
+/* This struct holds the coefficients of the separation c and of its rate w as polynomials of the time since
+ * the present [m, m/s, ...]. For consistent prescribed motion w = dc/dt; the force law uses the prescribed
+ * velocity as it is given. */
 struct separation_path {
     struct vec3 c[SEPARATION_DEGREE + 1];
     struct vec3 w[SEPARATION_DEGREE];

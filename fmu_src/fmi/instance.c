@@ -593,14 +593,14 @@ bool numbers_ready(struct instance *instance, const double *values, size_t count
 }
 
 /*
- * Saved states. The blocks given to the importer and not freed form a linked list; the importer holds the
- * address of a block. An address from the importer may be uninitialised, freed, or another instance's.
+ * Saved states follow. The blocks given to the importer and not freed form a linked list; the importer holds
+ * the address of a block. An address from the importer may be uninitialised, freed, or another instance's.
  * Therefore it is searched in the list before anything is read from it.
  */
 
 /* The version is raised whenever the layout or meaning of the header or of the model's state (struct
  * model_state, struct scene_state, struct scene_values) changes. */
-#define BLOCK_VERSION 9u
+#define BLOCK_VERSION 10u
 
 struct block_header {
     uint32_t magic; /* the adapter's; a block of the other byte order does not match */

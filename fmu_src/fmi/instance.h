@@ -1,6 +1,6 @@
 /*
- * One FMU instance, around a model that knows nothing of FMI. What FMI 2.0 and FMI 3.0 have in common is done
- * here; fmi2.c and fmi3.c give it the names and types of their version.
+ * This file describes one FMU instance, around a model that knows nothing of FMI. What FMI 2.0 and FMI 3.0
+ * have in common is done here; fmi2.c and fmi3.c give it the names and types of their version.
  */
 #ifndef CONTACT_FMI_INSTANCE_H
 #define CONTACT_FMI_INSTANCE_H
@@ -13,9 +13,9 @@
 #include "model/variable.h"
 
 /*
- * Phases of an instance. Nothing runs asynchronously, so no step is ever "in progress" or "cancelled". A
- * discarded step does not change the phase: the importer may go on from the time reached, restore a state,
- * reset or terminate. The values are bits of masks, and saved states hold them.
+ * These are the phases of an instance. Nothing runs asynchronously, so no step is ever "in progress" or
+ * "cancelled". A discarded step does not change the phase: the importer may go on from the time reached,
+ * restore a state, reset or terminate. The values are bits of masks, and saved states hold them.
  */
 enum phase {
     PHASE_INSTANTIATED = 1 << 0,
@@ -43,7 +43,7 @@ enum phase {
 /* The kind of instance on which a function of the standard may be called. */
 enum call_kind { CALL_ANY, CALL_STEPS /* Co-Simulation */, CALL_EXCHANGE /* Model Exchange */ };
 
-/* A row of an adapter's table: one function of the standard and the phases in which it may be called. */
+/* A row of an adapter's table names one function of the standard and the phases in which it may be called. */
 struct call {
     const char *name;
     enum call_kind kind;
@@ -53,7 +53,7 @@ struct call {
 
 struct instance;
 
-/* The differences between the versions of the standard. */
+/* This struct holds the differences between the versions of the standard. */
 struct adapter {
     int version;                    /* 2 or 3 */
     const char *token_name, *token; /* by which an importer tells that it means this FMU */
@@ -65,7 +65,7 @@ struct adapter {
     uint32_t state_magic;      /* a saved state fits only the version of the standard that wrote it */
 };
 
-/* What an instance knows of its run. Saved states hold it. */
+/* This struct holds what an instance knows of its run. Saved states hold it too. */
 struct experiment {
     double start_time; /* s */
     double stop_time;  /* s; infinite where the importer names none */
@@ -92,9 +92,9 @@ struct instance {
 };
 
 /*
- * Messages to the importer's logger. Warnings and worse are always told, unless the importer named categories
- * that leave them out; events are told only while logging is on. A category is a bit, 1 << the status of its
- * messages; events have the status MODEL_OK, and MODEL_FATAL is the last status.
+ * Messages go to the importer's logger. Warnings and worse are always told, unless the importer named
+ * categories that leave them out; events are told only while logging is on. A category is a bit, 1 << the
+ * status of its messages; events have the status MODEL_OK, and MODEL_FATAL is the last status.
  */
 enum log_categories { LOG_ALL = (2 << MODEL_FATAL) - 1, LOG_STATUS_ALL = LOG_ALL & ~(1 << MODEL_OK) };
 
@@ -166,7 +166,7 @@ bool call_begin(struct instance *instance, const struct call *call);
 bool array_given(struct instance *instance, const char *argument, const void *array, size_t count);
 
 /*
- * Getting and setting values: each reference must name a variable of one of the types (bits 1 << enum
+ * These functions get and set values. Each reference must name a variable of one of the types (bits 1 << enum
  * variable_type) that may be read or set now. All values are checked before any is set. `count` is the number
  * of elements of `values`: with FMI 2.0 one for each reference, with FMI 3.0 one for each component.
  */
@@ -193,7 +193,7 @@ CONTACT_COLD enum model_status instance_output_derivatives(struct instance *inst
 CONTACT_COLD enum model_status instance_product(struct instance *instance, const struct product *product,
                                                 size_t seed_count, size_t sensitivity_count);
 
-/* Allowed difference of two times that should be equal, divided by the step size. */
+/* This is the allowed difference of two times that should be equal, divided by the step size. */
 #define STEP_SLACK 1e-6
 
 /*
@@ -251,8 +251,8 @@ enum model_status instance_enter(struct instance *instance, enum model_status st
 
 enum model_status instance_reset(struct instance *instance);
 
-/* Saved states. The importer holds a state as a pointer into the instance's list. Bytes that the importer
- * brings are checked as a whole before they are used. */
+/* These functions handle saved states. The importer holds a state as a pointer into the instance's list.
+ * Bytes that the importer brings are checked as a whole before they are used. */
 enum model_status state_block_get(struct instance *instance, void **state);
 enum model_status state_block_set(struct instance *instance, void *state);
 enum model_status state_block_free(struct instance *instance, void **state);

@@ -1,5 +1,5 @@
 /*
- * FMI 2.0: each function of the standard works on an instance of fmi/instance.h.
+ * Here each function of FMI 2.0 works on an instance of fmi/instance.h.
  */
 #include <fmi2Functions.h>
 #include <stdlib.h>
@@ -9,7 +9,7 @@
 #include "math/compiler.h"
 #include "scene.h"
 
-/* An instance of FMI 2.0. An fmi2Component is the address of such a struct. */
+/* This struct is an instance of FMI 2.0. An fmi2Component is the address of such a struct. */
 struct fmi2_instance {
     struct instance shared; /* is the first member, so that both have one address */
     fmi2CallbackFunctions callbacks;
@@ -116,22 +116,17 @@ CALL2(ExitInitializationMode, ANY, PHASE_INITIALIZATION, (fmi2Component c),
 /* This part gets and sets values. Enumerations are of type fmi2Integer too. There are no string variables, so
  * that fmi2GetString refuses every reference. */
 
-#define GETTER2(Type, types)                                                                                 \
+#define VALUES2(Type, types, phases_to_set)                                                                  \
     CALL2(Get##Type, ANY, PHASES_READ(PHASES_ALL),                                                           \
           (fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2##Type value[]),                  \
-          instance_get_values(instance, types, vr, nvr, (void *)value, nvr))
-#define SETTER2(Type, types, phases)                                                                         \
-    CALL2(Set##Type, ANY, phases,                                                                            \
+          instance_get_values(instance, types, vr, nvr, (void *)value, nvr))                                 \
+    CALL2(Set##Type, ANY, phases_to_set,                                                                     \
           (fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2##Type value[]),            \
           instance_set_values(instance, types, vr, nvr, (const void *)value, nvr))
-GETTER2(Real, 1 << VARIABLE_REAL)
-SETTER2(Real, 1 << VARIABLE_REAL, PHASES_SETTABLE | PHASE_CONTINUOUS)
-GETTER2(Integer, 1 << VARIABLE_INTEGER | 1 << VARIABLE_ENUMERATION)
-SETTER2(Integer, 1 << VARIABLE_INTEGER | 1 << VARIABLE_ENUMERATION, PHASES_SETTABLE)
-GETTER2(Boolean, 1 << VARIABLE_BOOLEAN)
-SETTER2(Boolean, 1 << VARIABLE_BOOLEAN, PHASES_SETTABLE)
-GETTER2(String, 0)
-SETTER2(String, 0, PHASES_SETTABLE)
+VALUES2(Real, 1 << VARIABLE_REAL, PHASES_SETTABLE | PHASE_CONTINUOUS)
+VALUES2(Integer, 1 << VARIABLE_INTEGER | 1 << VARIABLE_ENUMERATION, PHASES_SETTABLE)
+VALUES2(Boolean, 1 << VARIABLE_BOOLEAN, PHASES_SETTABLE)
+VALUES2(String, 0, PHASES_SETTABLE)
 
 static enum model_status set_input_derivatives(struct instance *instance, const fmi2ValueReference *vr,
                                                size_t nvr, const fmi2Integer *order, const fmi2Real *value)

@@ -1,5 +1,5 @@
 /*
- * FMI 3.0: each function of the standard works on an instance of fmi/instance.h.
+ * Here each function of FMI 3.0 works on an instance of fmi/instance.h.
  */
 #include <float.h>
 #include <fmi3Functions.h>
@@ -10,7 +10,7 @@
 #include "math/compiler.h"
 #include "scene.h"
 
-/* An instance of FMI 3.0. An fmi3Instance is the address of such a struct. */
+/* This struct is an instance of FMI 3.0. An fmi3Instance is the address of such a struct. */
 struct fmi3_instance {
     struct instance shared; /* is the first member, so that both have one address */
     fmi3InstanceEnvironment environment;
@@ -173,33 +173,28 @@ CALL3(ExitInitializationMode, ANY, PHASE_INITIALIZATION, (fmi3Instance c),
 
 /* This part gets and sets values. A vector is read and written as a whole. */
 
-#define GETTER3(Type, types)                                                                                 \
+#define VALUES3(Type, types, phases_to_set)                                                                  \
     CALL3(Get##Type, ANY, PHASES_WITHIN(PHASES_ALL),                                                         \
           (fmi3Instance c, const fmi3ValueReference vr[], size_t nvr, fmi3##Type values[], size_t count),    \
-          instance_get_values(instance, types, vr, nvr, (void *)values, count))
-#define SETTER3(Type, types, phases)                                                                         \
-    CALL3(Set##Type, ANY, phases,                                                                            \
+          instance_get_values(instance, types, vr, nvr, (void *)values, count))                              \
+    CALL3(Set##Type, ANY, phases_to_set,                                                                     \
           (fmi3Instance c, const fmi3ValueReference vr[], size_t nvr, const fmi3##Type values[],             \
            size_t count),                                                                                    \
           instance_set_values(instance, types, vr, nvr, (const void *)values, count))
-#define BOTH3(Type, types)                                                                                   \
-    GETTER3(Type, types)                                                                                     \
-    SETTER3(Type, types, PHASES_SETTABLE)
-GETTER3(Float64, 1 << VARIABLE_REAL)
-SETTER3(Float64, 1 << VARIABLE_REAL, PHASES_SETTABLE | PHASE_CONTINUOUS)
-BOTH3(Int32, 1 << VARIABLE_INTEGER)
-BOTH3(Int64, 1 << VARIABLE_ENUMERATION)
-BOTH3(Boolean, 1 << VARIABLE_BOOLEAN)
+VALUES3(Float64, 1 << VARIABLE_REAL, PHASES_SETTABLE | PHASE_CONTINUOUS)
+VALUES3(Int32, 1 << VARIABLE_INTEGER, PHASES_SETTABLE)
+VALUES3(Int64, 1 << VARIABLE_ENUMERATION, PHASES_SETTABLE)
+VALUES3(Boolean, 1 << VARIABLE_BOOLEAN, PHASES_SETTABLE)
 
 /* No variable has one of these types, so that every reference is refused. */
-BOTH3(Float32, 0)
-BOTH3(Int8, 0)
-BOTH3(UInt8, 0)
-BOTH3(Int16, 0)
-BOTH3(UInt16, 0)
-BOTH3(UInt32, 0)
-BOTH3(UInt64, 0)
-BOTH3(String, 0)
+VALUES3(Float32, 0, PHASES_SETTABLE)
+VALUES3(Int8, 0, PHASES_SETTABLE)
+VALUES3(UInt8, 0, PHASES_SETTABLE)
+VALUES3(Int16, 0, PHASES_SETTABLE)
+VALUES3(UInt16, 0, PHASES_SETTABLE)
+VALUES3(UInt32, 0, PHASES_SETTABLE)
+VALUES3(UInt64, 0, PHASES_SETTABLE)
+VALUES3(String, 0, PHASES_SETTABLE)
 CALL3(GetBinary, ANY, PHASES_WITHIN(PHASES_ALL),
       (fmi3Instance c, const fmi3ValueReference vr[], size_t nvr, size_t sizes[], fmi3Binary values[],
        size_t count),
@@ -325,9 +320,9 @@ fmi3DoStep(fmi3Instance c, fmi3Float64 currentCommunicationPoint, fmi3Float64 co
 }
 
 /*
- * Event mode. In Co-Simulation a contact that begins or ends has changed its regime when fmi3DoStep returns.
- * Event mode then has nothing to iterate and schedules no event. In Model Exchange regimes change in event
- * mode, and touches of bodies in flight are announced.
+ * The functions of event mode follow. In Co-Simulation a contact that begins or ends has changed its regime
+ * when fmi3DoStep returns. Event mode then has nothing to iterate and schedules no event. In Model Exchange
+ * regimes change in event mode, and touches of bodies in flight are announced.
  */
 
 CALL3(EnterEventMode, ANY, PHASE_STEP | PHASE_CONTINUOUS, (fmi3Instance c),

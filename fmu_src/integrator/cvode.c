@@ -186,9 +186,9 @@ void cvode_close(struct cvode **slot)
     *slot = NULL;
 }
 
-/* Largest rotation of the normal n in one internal step [rad]: a contact cannot end and begin again within
- * such a step. Near the centre, where n rotates fast, the penetration takes the place of the distance d,
- * because the gap opens only after the bodies have moved by the penetration. */
+/* This is the largest rotation of the normal n in one internal step [rad]: a contact cannot end and begin
+ * again within such a step. Near the centre, where n rotates fast, the penetration takes the place of the
+ * distance d, because the gap opens only after the bodies have moved by the penetration. */
 static const double LARGEST_ANGLE = 0.1;
 
 /* Returns the bound on the internal step [s]; 0: no bound. In such a step the bodies of no contact in touch

@@ -1,5 +1,5 @@
-/* The steps of the general segment: their lengths, their errors, their events and peaks, and the motion of
- * the scene along them. */
+/* This file makes the steps of the general segment: it has their lengths, errors, events and peaks, and the
+ * motion of the scene along them. */
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
@@ -32,8 +32,8 @@ static double newton_share(const struct general *g)
     return g->step.problem.turns ? TURNING_NEWTON_SHARE : NEWTON_SHARE;
 }
 
-/* Length of a first step in radians of the fastest oscillation. An impact takes pi radians with a linear
- * spring, and four with Hertz's law. */
+/* This is the length of a first step in radians of the fastest oscillation. An impact takes pi radians with a
+ * linear spring, and four with Hertz's law. */
 static const double FIRST_STEP = 4.0;
 
 /* Length of a first step that begins at a touch under Hertz's law, in the same radians. A step from the touch
@@ -120,7 +120,7 @@ static double time_to_zero(const double of[3])
     return near > 0.0 ? near : (double)INFINITY;
 }
 
-/* An opposed motion of a contact (contact/friction.h). */
+/* This struct describes an opposed motion of a contact (contact/friction.h). */
 struct opposed_state {
     struct friction_law law;
     enum friction_regime regime;
@@ -182,7 +182,8 @@ static double length_of_sliding(const struct general *g)
 
 /* The functions that follow set the errors allowed in a step. */
 
-/* Rounding of a difference of states, such as the slip, divided by their size; see rounding_of_rate. */
+/* This is the rounding of a difference of states, such as the slip, divided by their size; see
+ * rounding_of_rate. */
 static const double ROUNDING_OF_STATES = 8.0 * DBL_EPSILON;
 
 /* Returns the change of the speed of a body's point of contact by a unit impulse there, or, without an `arm`,
@@ -332,8 +333,8 @@ static const double ROUNDING_OF_GAP = 0.5;
  * more than a hundred times as much. */
 static const double WITHIN_SHARE = 1e-2;
 
-/* Length of a step of four stages, divided by the length of an equally accurate step of eight. The
- * oscillation y'' = -y has an error of 1e-12 after steps of 0.18 and 2 radians (measured). */
+/* This is the length of a step of four stages, divided by the length of an equally accurate step of eight.
+ * The oscillation y'' = -y has an error of 1e-12 after steps of 0.18 and 2 radians (measured). */
 static const double REACH_OF_FOUR = 0.09;
 
 /* Limits of the growth and shrinkage from one step to the next. */

@@ -1,4 +1,5 @@
-/* Collocation with the contact forces at the stages as unknowns. Vectors are in the world frame. */
+/* This file solves the collocation with the contact forces at the stages as unknowns. Vectors are in the
+ * world frame. */
 #include <math.h>
 #include <string.h>
 
@@ -22,12 +23,12 @@ struct turned_rows {
     struct vec3 by_motion[MOST_ROWS], by_place[ROWS], by_drive[OPPOSED][ROWS];
 };
 
-/* One contact at one stage. The motion of the source against the destination is the velocity U at the point
- * of contact and the angular velocity omega [m/s, rad/s]; X is the integral of U [m]. Each load has ROWS rows
- * of the response: those of the force change by `by_force` dF + `by_motion` dU + `by_place` dX, those of the
- * torque by `by_force` dF + `by_torque` dM + `by_motion` domega. Where the contact has one unknown, there is
- * one row, and dF has the direction `push`. Rows with a spring change by `by_spring` dxi as well; `by_drive`
- * is their change by the drive of the spring (friction_spring_drive_of).
+/* This struct describes one contact at one stage. The motion of the source against the destination is the
+ * velocity U at the point of contact and the angular velocity omega [m/s, rad/s]; X is the integral of U [m].
+ * Each load has ROWS rows of the response: those of the force change by `by_force` dF + `by_motion` dU +
+ * `by_place` dX, those of the torque by `by_force` dF + `by_torque` dM + `by_motion` domega. Where the
+ * contact has one unknown, there is one row, and dF has the direction `push`. Rows with a spring change by
+ * `by_spring` dxi as well; `by_drive` is their change by the drive of the spring (friction_spring_drive_of).
  *
  * A displacement dD of the source's centre against the destination's turns n, by which the rows of the force
  * change by `by_swing` dD. */
@@ -46,10 +47,11 @@ struct node {
     struct turned_rows turned[2]; /* of source and destination */
 };
 
-/* One spring of a contact at all stages. Linearized, it changes by dxi_i = sum `filter`_ij (rho_j + S dz_j).
- * Here rho is the rate by the law less the rate of the polynomial, and S dz is the change of the rate by the
- * spring's drive. `weight` is the filter where F_t drives the spring. Where the slip does, `weight` is the
- * filter times the matrix of integration, because the forces give the rates of the slip. */
+/* This struct describes one spring of a contact at all stages. Linearized, the spring changes by dxi_i = sum
+ * `filter`_ij (rho_j + S dz_j). Here rho is the rate by the law less the rate of the polynomial, and S dz is
+ * the change of the rate by the spring's drive. `weight` is the filter where F_t drives the spring. Where the
+ * slip does, `weight` is the filter times the matrix of integration, because the forces give the rates of the
+ * slip. */
 struct node_spring {
     bool is_there, is_force;
     double filter[RADAU_MOST_STAGES * RADAU_MOST_STAGES], weight[RADAU_MOST_STAGES * RADAU_MOST_STAGES];
@@ -65,15 +67,15 @@ static inline struct vec3 rotated_by(const struct rotation_by_spin *m, struct ve
     return vec3_make(vec3_dot(m->row[0], spin), vec3_dot(m->row[1], spin), vec3_dot(m->row[2], spin));
 }
 
-/* A body: the indices of its velocity and spin among the states that are no positions, where -1 stands for
- * none; 1/m [1/kg] and 1/I_1 [1/(kg m^2)], which are zero for a body that is not free. */
+/* This struct describes a body: the indices of its velocity and spin among the states that are no positions,
+ * where -1 stands for none; 1/m [1/kg] and 1/I_1 [1/(kg m^2)], which are zero for a body that is not free. */
 struct node_body {
     int speed, spin;
     double by_mass, by_inertia;
     struct rotation_by_spin rotation[RADAU_MOST_STAGES];
 };
 
-/* A contact that transmits forces. */
+/* This struct describes a contact that transmits forces. */
 struct node_contact {
     int contact;
     int body[2];  /* source and destination */
@@ -117,7 +119,7 @@ struct iteration {
  * steep the corrections of the forces are small although the forces are far from the law. */
 static const double STALE = 3.0;
 
-/* The distance of columns in the matrix of a spring; each ends with a zero (math/lu.h). */
+/* This is the distance of columns in the matrix of a spring; each ends with a zero (math/lu.h). */
 enum { SPRING_STRIDE = RADAU_MOST_STAGES + 4 };
 
 /* Returns the index of the first unknown of a contact at a stage. The stages of one contact stand together,
@@ -864,9 +866,10 @@ CONTACT_FLATTEN static void add_pending(struct iteration *it)
     follow_springs(it, false);
 }
 
-/* The bodies that two contacts share. `by_mass` is the sum of their 1/m. Each shared body that turns has its
- * 1/I_1 in `by_inertia`, and is at `end` of one contact and at `other_end` of the other one. 1/m and 1/I_1
- * are negative where the body is the source of one contact and the destination of the other one. */
+/* This struct lists the bodies that two contacts share. `by_mass` is the sum of their 1/m. Each shared body
+ * that turns has its 1/I_1 in `by_inertia`, and is at `end` of one contact and at `other_end` of the other
+ * one. 1/m and 1/I_1 are negative where the body is the source of one contact and the destination of the
+ * other one. */
 struct shared_bodies {
     double by_mass;
     int count; /* of shared bodies that turn */
@@ -1206,8 +1209,8 @@ static void finish_nodes(struct iteration *it)
     p->evaluations += p->stages->stages;
 }
 
-/* Largest number of iterations, and of iterations with new slopes. More iterations would cost more than two
- * steps of half the length. */
+/* These are the largest numbers of iterations, and of iterations with new slopes. More iterations would cost
+ * more than two steps of half the length. */
 enum { MOST_NODE_ITERATIONS = 16, MOST_FACTORIZATIONS = 5 };
 
 /* Slopes are kept while each correction is less than this part of the one before, and while no more than this

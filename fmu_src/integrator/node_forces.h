@@ -1,5 +1,6 @@
 /*
- * The stages of one step of the general segment, with the contact forces at the stages as unknowns.
+ * This file solves the stages of one step of the general segment, with the contact forces at the stages as
+ * unknowns.
  *
  * Given the forces, all motion follows by quadrature. Each contact tells how far its force is from its laws,
  * in a form that is nearly linear in the forces: the normal force by the gap and its rate, friction that

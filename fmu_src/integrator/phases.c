@@ -15,7 +15,7 @@
 #include "touch/island.h"
 #include "touch/rubbing.h"
 
-/* What a phase of contact pairs consists of. */
+/* A phase of contact pairs consists of one of these. */
 enum phase_form {
     PHASE_OF_SEGMENTS, /* of pairs that share no free body */
     PHASE_OF_CHAIN,    /* all contacts in touch are a row (touch/chain.h) */
@@ -801,7 +801,7 @@ void integrator_catch_up(struct integrator *s, struct scene_state *q, bool sums)
     if (sums) {
         struct scene_instant at;
         const double start = scene_time(q);
-        transition_begin_step(q, &at);
+        (void)transition_begin_step(q, &at);
         follow_phase(s, q, q->clock, clock);
         q->step_length = scene_time(q) - start;
         transition_end_step(q);
@@ -827,8 +827,7 @@ enum advance_result integrator_run(struct integrator *s, struct scene_state *q,
     step.budget = budget;
     step.work = budget > LEAST_WORK ? budget : LEAST_WORK;
     integrator_catch_up(s, q, false);
-    transition_begin_step(q, &step.now);
-    step.is_now = true;
+    step.is_now = transition_begin_step(q, &step.now);
     step.passed = q->clock;
     if (solver_method(q->v) == SOLVER_METHOD_EVENT_DRIVEN && !scene_keeps_steps(q->v)) {
         q->integrator_fresh = 1; /* CVODE's history is in no saved state: each step does without it */
@@ -837,7 +836,7 @@ enum advance_result integrator_run(struct integrator *s, struct scene_state *q,
     q->step_length = scene_time(q) - start;
     transition_end_step(q);
     q->deferrable_clock =
-        result == ADVANCE_REACHED && !scene_is_force_element(q->v) ? deferrable_until(q) : 0.0;
+        result == ADVANCE_REACHED && !scene_is_force_element(q->v) ? -deferrable_until(q) : 0.0;
     q->only_flies = !(q->phase.end > 0.0 || scene_turns(q->v) || (SCENE_CONTACTS > 1 && keeps_step(q)));
     return result;
 }

@@ -81,7 +81,7 @@ struct integrator_memory {
     void (*release)(void *memory);
 };
 
-/* The memory of the methods. It need not be saved: values and motion suffice to rebuild it. */
+/* This struct is the memory of the methods. It need not be saved: values and motion suffice to rebuild it. */
 struct integrator {
     struct pair_phase *pairs;
     void (*release)(void *memory); /* of `pairs` */

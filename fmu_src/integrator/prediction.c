@@ -169,9 +169,12 @@ static struct regime_change touch_in_flight(const struct scene_instant *at, cons
 
 /* The law of a lasting contact is checked at LEAST_LAW_INSTANTS instants, and at LAW_INSTANTS_PER_RADIAN more
  * per radian that the axis turns, but at MOST_LAW_INSTANTS at most. So few instants suffice, because the
- * conditions of its changes are smooth functions of the motion. */
+ * conditions of its changes are smooth functions of the motion. Bodies that separate in flight under constant
+ * forces move along parabolas. They need LAW_INSTANTS_PER_RADIAN instants less for each radian by which n
+ * turns less than RADIANS_OF_FLIGHT. */
 static const double LAW_INSTANTS_PER_RADIAN = 16.0;
 static const double LEAST_LAW_INSTANTS = 64.0;
+static const double RADIANS_OF_FLIGHT = 3.0;
 static const double MOST_LAW_INSTANTS = 1e6;
 
 /* The last instant is right before the bodies part, where a dashpot may have been clipped shortly before. */
@@ -211,12 +214,14 @@ static enum contact_regime regime_at_time(const struct advancement_path *path, c
     return regime_by_law(law, present, gap, rate, gap_noise, vec3_norm(at.c[1]) * (ROUNDINGS + tilt), 0.0);
 }
 
-/* Looks for a change of regime by the force law before `until` [s], while the bodies go on touching. */
+/* Looks for a change of regime by the force law before `until` [s], while the bodies go on touching, by
+ * `least` instants at least. */
 static void look_for_law(struct advancement_path *path, const struct contact_law *law,
-                         enum contact_regime present, double until, long budget, struct prediction *found)
+                         enum contact_regime present, double until, double least, long budget,
+                         struct prediction *found)
 {
     const double turning = advancement_turning(path, 0.0, until);
-    const double wanted = LEAST_LAW_INSTANTS + LAW_INSTANTS_PER_RADIAN * turning * until;
+    const double wanted = least + LAW_INSTANTS_PER_RADIAN * turning * until;
     const long count = (long)fmin(wanted, fmin(MOST_LAW_INSTANTS, fmax(LEAST_LAW_INSTANTS, (double)budget)));
     double before = 0.0;
     for (long i = 1; i <= count; ++i) {
@@ -256,12 +261,19 @@ static struct prediction advancement_prediction(const struct scene_instant *at, 
                                                 : regime_at_time(&path, &law, present, change.after);
     }
     if (!apart && contact_has_events(&law)) {
-        look_for_law(&path, &law, present, fmin(change.after, change.searched), budget, &found);
+        const double until = fmin(change.after, change.searched);
+        const double moved = until * path_size(path.c + 1, SEPARATION_DEGREE, until);
+        const bool flies = flight_is_steady(at->q, contact_source(contact)) &&
+                           flight_is_steady(at->q, contact_destination(contact));
+        const double spared =
+            flies ? fmax(RADIANS_OF_FLIGHT - moved / at->geometry[contact].distance, 0.0) : 0.0;
+        look_for_law(&path, &law, present, until, LEAST_LAW_INSTANTS - LAW_INSTANTS_PER_RADIAN * spared,
+                     budget, &found);
     }
     return found;
 }
 
-/* A separating contact in flight: its path, and bounds of rounding. */
+/* This struct describes a separating contact in flight: its path, and bounds of rounding. */
 struct separating {
     struct contact_shape shape;
     struct contact_law law;

@@ -1,4 +1,4 @@
-/* A request for one step of the integrator. */
+/* This file describes a request for one step of the integrator. */
 #ifndef CONTACT_INTEGRATOR_STEP_REQUEST_H
 #define CONTACT_INTEGRATOR_STEP_REQUEST_H
 

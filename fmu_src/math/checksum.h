@@ -1,4 +1,4 @@
-/* The checksum FNV-1a (Fowler, Noll, Vo), applied to words of 32 bits. */
+/* This file has the checksum FNV-1a (Fowler, Noll, Vo), applied to words of 32 bits. */
 #ifndef CONTACT_MATH_CHECKSUM_H
 #define CONTACT_MATH_CHECKSUM_H
 

@@ -90,7 +90,7 @@ static inline void combine_rows(double *restrict to, const double *row, int coun
     }
 }
 
-/* The larger number; b where one of them is NaN. C11's fmax is a call. */
+/* Returns the larger number; b where one of them is NaN. C11's fmax is a call. */
 static inline double larger(double a, double b)
 {
     return a > b ? a : b;
@@ -114,7 +114,18 @@ static inline double parts_together(const double2 sum[PARTS])
 #endif
 }
 
-/* The ratio of a circle's circumference to its diameter, rounded to double; C11 itself names none. */
+/* Returns part l of a pair of numbers. */
+static inline double2 part_of_pair(double even, double odd, int l)
+{
+#if CONTACT_GNU_C
+    (void)l;
+    return (double2){even, odd};
+#else
+    return l == 0 ? even : odd;
+#endif
+}
+
+/* This is the ratio of a circle's circumference to its diameter, rounded to double; C11 itself names none. */
 static const double PI = 3.141592653589793;
 
 #endif

@@ -12,7 +12,7 @@ struct double_double {
     double high, low; /* |low| <= half a unit in the last place of high */
 };
 
-/* a + b exactly. */
+/* Returns a + b exactly. */
 static inline struct double_double double_double_sum(double a, double b)
 {
     const double sum = a + b;
@@ -20,14 +20,14 @@ static inline struct double_double double_double_sum(double a, double b)
     return (struct double_double){sum, (a - (sum - of_b)) + (b - of_b)};
 }
 
-/* a + b exactly, where |a| >= |b|. */
+/* Returns a + b exactly, where |a| >= |b|. */
 static inline struct double_double double_double_renormalized(double a, double b)
 {
     const double sum = a + b;
     return (struct double_double){sum, b - (sum - a)};
 }
 
-/* a b exactly: both factors split into halves of 26 digits by 2^27 + 1. */
+/* Returns a b exactly: both factors are split into halves of 26 digits by 2^27 + 1. */
 static inline struct double_double double_double_product(double a, double b)
 {
     const double splitter = 134217729.0;

@@ -1,5 +1,5 @@
-/* Constants of collocation at the Gauss-Lobatto nodes of [-1, 1]. cmake/make_nodes.py computes all tables
- * as CMake runs and says what each array holds. */
+/* This file declares the constants of collocation at the Gauss-Lobatto nodes of [-1, 1]. cmake/make_nodes.py
+ * computes all tables as CMake runs and says what each array holds. */
 #ifndef CONTACT_MATH_NODE_TABLES_H
 #define CONTACT_MATH_NODE_TABLES_H
 
@@ -23,7 +23,7 @@ struct lobatto {
 extern const struct lobatto lobatto[LOBATTO_SIZES];
 
 /*
- * Constants of Radau IIA at the right Radau nodes of [0, 1].
+ * These are the constants of Radau IIA at the right Radau nodes of [0, 1].
  *
  * A step is a polynomial of its place sigma in [0, 1]. Its pace says how the time tau, a part of the step's
  * length, follows from sigma:

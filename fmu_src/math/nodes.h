@@ -42,7 +42,7 @@ double nodal_integrate(const double *rate, double *sum);
  * the order of the nodes' quadrature. */
 double nodal_integral_to(const double *sum, const double *rate, double s);
 
-/* The integral from 0 to s of the polynomial with coefficients a. */
+/* Returns the integral from 0 to s of the polynomial with coefficients a. */
 double nodal_integral(const double *a, double s);
 
 /* The larger of the last two Chebyshev coefficients: an estimate of the truncation error where the

@@ -14,7 +14,7 @@ struct oscillator {
     double omega2, damping_rate;
 };
 
-/* y and y' at z for y(0) = 1, y'(0) = 0 (of_y) and for y(0) = 0, y'(0) = 1 (of_rate). */
+/* This struct holds y and y' at z for y(0) = 1, y'(0) = 0 (of_y) and for y(0) = 0, y'(0) = 1 (of_rate). */
 struct oscillator_basis {
     double y_of_y, y_of_rate;
     double rate_of_y, rate_of_rate;
@@ -22,7 +22,8 @@ struct oscillator_basis {
 
 struct oscillator_basis oscillator_basis_at(const struct oscillator *o, double z);
 
-/* The two decay rates of y. Up to critical damping both are sqrt(omega2), the rate of oscillation. */
+/* This struct holds the two decay rates of y. Up to critical damping both are sqrt(omega2), the rate of
+ * oscillation. */
 struct oscillator_rates {
     double slower, faster;
 };

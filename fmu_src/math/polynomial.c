@@ -15,7 +15,7 @@ struct polynomial polynomial_derivative(const struct polynomial *p)
     return d;
 }
 
-void power_sum_and_slope(const void *sum, double s, double *value, double *slope)
+void power_sum_and_slope(const void *sum, double s, double *restrict value, double *restrict slope)
 {
     const struct power_sum *of = sum;
     *value = of->a[of->terms - 1];
@@ -71,12 +71,16 @@ int polynomial_add_sign_changes(const struct polynomial *p, double *sorted, int 
 /* Longest step, relative to s, after which convergence is predicted instead of tested. */
 static const double SHORT_STEP = 1e-8;
 
+/* Where a step of Newton's method leaves the bracket, the root is often close to the end that the step
+ * passes. The step is then reflected there, to the middle of the bracket at most. Unless the bracket has
+ * become half as wide since the last step that left it, it is halved instead. */
 static double root_from(root_function *f, const void *data, double low, double high, double rising, double s)
 {
-    double last = 0.0; /* length of the last step of Newton's method, 0: there was none */
-    /* Bisection alone would need about 1100 halvings to reach the smallest double, Newton a handful of
-     * steps. */
-    for (int i = 0; i < 1200; ++i) {
+    double last = 0.0;               /* length of the last step of Newton's method, 0: there was none */
+    double width = (double)INFINITY; /* of the bracket when a step last left it */
+    /* About 1100 halvings lead to the smallest double, and between two of them there may be two steps of
+     * Newton's method, which usually needs a handful in all. */
+    for (int i = 0; i < 3600; ++i) {
         double value;
         double slope;
         f(data, s, &value, &slope);
@@ -99,7 +103,16 @@ static double root_from(root_function *f, const void *data, double low, double h
             return next; /* each step squares the error: the following one would be step^3 / last^2 */
         }
         last = inside ? step : 0.0;
-        next = inside ? next : 0.5 * (low + high);
+        if (!inside) {
+            const double middle = 0.5 * (low + high);
+            const bool above = next >= high;
+            const double end = above ? high : low;
+            const double most = end * (above ? 1.0 - DBL_EPSILON : 1.0 + DBL_EPSILON);
+            next = 2.0 * end - next;
+            next = (next < most) != above ? most : next;
+            next = high - low <= 0.5 * width && (next > middle) == above && next > low ? next : middle;
+            width = high - low;
+        }
         if (next <= low || next >= high) {
             return next;
         }
@@ -116,8 +129,12 @@ double root_in_bracket(root_function *f, const void *data, double low, double hi
     return root_from(f, data, low, high, value < 0.0 ? 1.0 : -1.0, 0.5 * (low + high));
 }
 
-/* Between two extrema, as of an oscillation, the guess is that of half a cosine. Else it is a few steps of
- * Newton's method from the secant, as long as they stay inside. */
+/* Between two extrema, as of an oscillation, the guess is that of half a cosine. Else Newton's method solves
+ * the cubic to LEAST_MOVE, as long as it stays inside. It begins at the secant, or at the far end if the
+ * function leaves zero at first; from there it may halve x many times. */
+enum { MOST_MOVES_OF_GUESS = 12 };
+static const double LEAST_MOVE = 1e-3;
+
 double root_guess(struct root_bracket_end low, struct root_bracket_end high)
 {
     const double length = high.s - low.s;
@@ -126,14 +143,16 @@ double root_guess(struct root_bracket_end low, struct root_bracket_end high)
     const double third = length * (low.slope + high.slope) - 2.0 * rise;
     const double second = rise - slope - third;
     const bool extrema = low.slope == 0.0 && high.slope == 0.0;
-    double x = extrema ? acos((low.value + high.value) / rise) / PI : -low.value / rise;
-    for (int i = 0; i < 3 && !extrema; ++i) {
+    double x = extrema              ? acos((low.value + high.value) / rise) / PI
+               : slope * rise > 0.0 ? -low.value / rise
+                                    : 1.0;
+    bool moves = !extrema;
+    for (int i = 0; moves && i < MOST_MOVES_OF_GUESS; ++i) {
         const double value = low.value + x * (slope + x * (second + x * third));
         const double next = x - value / (slope + x * (2.0 * second + 3.0 * x * third));
-        if (!(next > 0.0 && next < 1.0)) {
-            break;
-        }
-        x = next;
+        const bool inside = next > 0.0 && next < 1.0;
+        moves = inside && fabs(next - x) > LEAST_MOVE * x;
+        x = inside ? next : x;
     }
     const double guess = low.s + x * length;
     return guess > low.s && guess < high.s ? guess : 0.5 * (low.s + high.s);
@@ -160,10 +179,10 @@ bool root_may_dip(const struct root_place place[3])
     return 0.25 * slope * slope / bend > 0.5 * value;
 }
 
-/* Largest number of bisections: afterwards an interval of [0, 1] is 1e-12 long. */
+/* This is the largest number of bisections: afterwards an interval of [0, 1] is 1e-12 long. */
 enum { DEPTH = 40 };
 
-/* The Bernstein coefficients `of` of the polynomial on [low, low + width]. */
+/* This struct holds the Bernstein coefficients `of` of the polynomial on [low, low + width]. */
 struct part {
     double low, width;
     double of[BERNSTEIN_MOST];
@@ -228,14 +247,16 @@ struct bernstein_fall bernstein_first_fall(const double *coefficients, int count
     return stays && !(deep.low < (double)INFINITY) ? first_fall_of_sum(coefficients, count, 0.0) : deep;
 }
 
-/* The polynomial of Bernstein coefficients plus an offset, as the context of a root_function. */
+/* This struct holds a polynomial's Bernstein coefficients and an offset, as the context of a
+ * root_function. */
 struct bernstein_sum {
     const double *coefficients;
     int count;
     double offset;
 };
 
-/* De Casteljau's scheme. All weights are positive, so that no digits are lost but those of the sum itself. */
+/* This function uses de Casteljau's scheme. All weights are positive, so that no digits are lost but those of
+ * the sum itself. */
 static void bernstein_and_slope(const void *data, double s, double *value, double *slope)
 {
     const struct bernstein_sum *sum = data;
@@ -257,7 +278,7 @@ double bernstein_root(const double *coefficients, int count, struct bernstein_fa
     return root_from(bernstein_and_slope, &sum, fall.low, fall.high, -1.0, 0.5 * (fall.low + fall.high));
 }
 
-/* By de Casteljau's scheme, first up to `to`, then from `from` on. */
+/* This function uses de Casteljau's scheme, first up to `to`, then from `from` on. */
 void bernstein_restrict(double *coefficients, int count, double from, double to)
 {
     const double start = to > 0.0 ? from / to : 0.0;

@@ -1,4 +1,4 @@
-/* Real polynomials on the unit interval: p(s) = a[0] + a[1] s + ... + a[degree] s^degree. */
+/* This file has real polynomials on the unit interval: p(s) = a[0] + a[1] s + ... + a[degree] s^degree. */
 #ifndef CONTACT_MATH_POLYNOMIAL_H
 #define CONTACT_MATH_POLYNOMIAL_H
 
@@ -34,8 +34,8 @@ void power_sum_and_slope(const void *sum, double s, double *value, double *slope
 /* Writes f(s) and f'(s) for the function that `data` describes. */
 typedef void root_function(const void *data, double s, double *value, double *slope);
 
-/* Newton's method kept inside [low, high], 0 <= low < high, by bisection; exact to the rounding of f or of
- * s. */
+/* Returns a root by Newton's method, which bisection keeps inside [low, high] with 0 <= low < high; exact to
+ * the rounding of f or of s. */
 double root_in_bracket(root_function *f, const void *data, double low, double high);
 
 /* An end of a bracket, with value and slope there. */
@@ -43,7 +43,7 @@ struct root_bracket_end {
     double s, value, slope;
 };
 
-/* A first guess of the root: that of the cubic through both ends. */
+/* Returns a first guess of the root: that of the cubic through both ends. */
 double root_guess(struct root_bracket_end low, struct root_bracket_end high);
 
 /* Returns the root in a bracket whose ends hold value and slope of f; f is not zero at `low`. */
@@ -59,7 +59,7 @@ struct root_place {
  * about it: the parabola through the three falls below the second value by at least half of it. */
 bool root_may_dip(const struct root_place place[3]);
 
-/* Where a polynomial, given by its Bernstein coefficients on [0, 1], first falls through zero. */
+/* Returns where a polynomial, given by its Bernstein coefficients on [0, 1], first falls through zero. */
 
 enum { BERNSTEIN_MOST = 25 }; /* coefficients */
 

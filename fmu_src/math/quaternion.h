@@ -1,6 +1,6 @@
 /*
- * Unit quaternions as orientations, w + x i + y j + z k: q turns a vector a of the body's frame into q a q*
- * of the world's. q and -q are the same orientation.
+ * This file has unit quaternions as orientations, w + x i + y j + z k: q turns a vector a of the body's frame
+ * into q a q* of the world's. q and -q are the same orientation.
  */
 #ifndef CONTACT_MATH_QUATERNION_H
 #define CONTACT_MATH_QUATERNION_H
@@ -54,7 +54,7 @@ static inline double *quaternion_part(struct quaternion *q, int index)
     return parts[index];
 }
 
-/* a b: first b's rotation, then a's. */
+/* Returns a b: first b's rotation, then a's. */
 CONTACT_NOT_FUSED static inline struct quaternion quaternion_product(struct quaternion a, struct quaternion b)
 {
     return (struct quaternion){
@@ -62,7 +62,7 @@ CONTACT_NOT_FUSED static inline struct quaternion quaternion_product(struct quat
         a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x, a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w};
 }
 
-/* The opposite rotation of a unit quaternion. */
+/* Returns the opposite rotation of a unit quaternion. */
 static inline struct quaternion quaternion_inverse(struct quaternion q)
 {
     return (struct quaternion){q.w, -q.x, -q.y, -q.z};
@@ -95,7 +95,7 @@ static inline struct quaternion quaternion_unit(struct quaternion q)
     return quaternion_scale(1.0 / sqrt(quaternion_dot(s, s)), s);
 }
 
-/* q a q*: a + 2 w v x a + 2 v x (v x a) for q = (w, v). */
+/* Returns q a q*: a + 2 w v x a + 2 v x (v x a) for q = (w, v). */
 static inline struct vec3 quaternion_rotate(struct quaternion q, struct vec3 a)
 {
     const struct vec3 v = quaternion_vector(q);
@@ -110,7 +110,7 @@ CONTACT_NOT_FUSED static inline struct vec3 quaternion_third_axis(struct quatern
                      (q.w * q.w - q.x * q.x) + (q.z * q.z - q.y * q.y));
 }
 
-/* The rotation by |r| radians about r, right-handed. */
+/* Returns the rotation by |r| radians about r, right-handed. */
 static inline struct quaternion quaternion_of_rotation(struct vec3 r)
 {
     const double angle = vec3_norm(r);

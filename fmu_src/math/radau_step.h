@@ -1,5 +1,5 @@
 /*
- * One step of Radau IIA for y' = f(t, y): the polynomial through the start that has the right rate at all
+ * One step of Radau IIA for y' = f(t, y) is the polynomial through the start that has the right rate at all
  * stages. With s stages its order is 2 s - 1 at the end and s within; parts of the motion that are too fast
  * for the step are damped away (Hairer and Wanner, Solving Ordinary Differential Equations II, chapter IV.8).
  * The caller finds the rates at the stages by iterations of its own, such as those of

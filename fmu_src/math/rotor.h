@@ -15,7 +15,7 @@
 #include "math/double_double.h"
 #include "math/quaternion.h"
 
-/* Orientation and angular velocity of a body. */
+/* This struct holds the orientation and the angular velocity of a body. */
 struct body_turn {
     struct quaternion orientation; /* unit, body to world */
     struct vec3 angular_velocity;  /* omega, in the world's frame [rad/s] */
@@ -31,13 +31,13 @@ struct rotor {
     struct double_double spin;       /* (1 - I_3/I_1) omega_3 [unit] */
 };
 
-/* Moments of inertia in any unit, both positive and finite. */
+/* This struct holds moments of inertia in any unit, both positive and finite. */
 struct rotor rotor_from(struct body_turn start, double transverse_inertia, double axial_inertia);
 
 /* Returns the state after a time [s] of either sign. The quaternion's sign is continuous in time. */
 struct body_turn rotor_at(const struct rotor *rotor, double time);
 
-/* The axis e_3 alone, and its rate omega x e_3. */
+/* This struct holds the axis e_3 alone, and its rate omega x e_3. */
 struct rotor_axis {
     struct vec3 axis; /* unit */
     struct vec3 rate; /* [1/s] */
@@ -49,10 +49,10 @@ double rotor_precession(const struct rotor *rotor);
 double rotor_axis_speed(const struct rotor *rotor);
 
 /*
- * The rigid body with three moments of inertia I under a torque tau, by power series of time. The quaternion
- * q is the body's orientation, and q* is its inverse. L is the angular momentum, the integral of tau; l has
- * the components of L in the body's frame, and omega those of the angular velocity. The equations of Euler
- * and of the orientation are
+ * These functions move a rigid body with three moments of inertia I under a torque tau, by power series of
+ * time. The quaternion q is the body's orientation, and q* is its inverse. L is the angular momentum, the
+ * integral of tau; l has the components of L in the body's frame, and omega those of the angular velocity.
+ * The equations of Euler and of the orientation are
  *
  *   l' = l x omega + q* tau q,   omega = l / I by components,   q' = q (0, omega) / 2
  *

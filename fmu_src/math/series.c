@@ -60,29 +60,47 @@ double taylor_divide(const double *a, const double *b, const double *q, int orde
     return sum / b[0];
 }
 
-/* The even and the odd coefficients make two sums, so that one need not wait for the other. */
+/* The even coefficients make a series by t = s^2 and the odd ones another, E + s O. Part l of a sum belongs
+ * to one of them, or to both. */
 double taylor_at(const double *a, int terms, double s)
 {
-    const double square = s * s;
-    double even = 0.0;
-    double odd = terms % 2 == 0 ? a[terms - 1] : 0.0;
-    for (int i = (terms - 1) / 2 * 2; i > 0; i -= 2) {
-        even = even * square + a[i];
-        odd = odd * square + a[i - 1];
+    double2 sum[PARTS];
+    for (int l = 0; l < PARTS; ++l) {
+        sum[l] = part_of_pair(terms % 2 != 0 ? a[terms - 1] : 0.0, 0.0, l);
+        for (int i = terms / 2 * 2 - 2; i >= 0; i -= 2) {
+            sum[l] = sum[l] * (s * s) + double2_at(a, i + l);
+        }
+        sum[l] *= part_of_pair(1.0, s, l);
     }
-    return even * square + a[0] + odd * s;
+    return parts_together(sum);
 }
 
 void taylor_derivatives(const double *a, int terms, double s, double out[restrict 3])
 {
-    out[0] = out[1] = out[2] = 0.0;
-    for (int i = terms - 1; i >= 0; --i) {
-        out[2] = out[2] * s + out[1];
-        out[1] = out[1] * s + out[0];
-        out[0] = out[0] * s + a[i];
+    const double t = s * s;
+    double2 value[PARTS], slope[PARTS], bend[PARTS];
+    for (int l = 0; l < PARTS; ++l) {
+        double2 sum = part_of_pair(terms % 2 != 0 ? a[terms - 1] : 0.0, 0.0, l);
+        double2 first = part_of_pair(0.0, 0.0, l); /* dE/dt and dO/dt */
+        double2 second = first;                    /* half of their derivatives */
+        for (int i = terms / 2 * 2 - 2; i >= 0; i -= 2) {
+            second = second * t + first;
+            first = first * t + sum;
+            sum = sum * t + double2_at(a, i + l);
+        }
+        value[l] = sum * part_of_pair(1.0, s, l);
+        slope[l] = first * part_of_pair(2.0 * s, 2.0 * t, l) + sum * part_of_pair(0.0, 1.0, l);
+        bend[l] = first * part_of_pair(2.0, 6.0 * s, l) + second * part_of_pair(8.0 * t, 8.0 * s * t, l);
     }
-    out[2] *= 2.0;
+    out[0] = parts_together(value);
+    out[1] = parts_together(slope);
+    out[2] = parts_together(bend);
 }
+
+/* A series that falls by so many times its first coefficient falls like a power of s, such as the gap of a
+ * body that its neighbour begins to push. The tangent of its fall against s, both by their logarithms, then
+ * leads to the root, where the cubic of root_between would need a dozen steps of Newton's method. */
+static const double AS_A_POWER = 0.01;
 
 /* Horner's scheme with each product at its worst bounds the series from below, and its slope from above. By
  * these bounds most series either stay above zero or fall all the way, and no further search is needed. */
@@ -100,12 +118,20 @@ double taylor_first_fall(const double *a, int terms, double end)
     for (int i = terms - 1; i > 0; --i) {
         steepest = i * a[i] + end * (steepest < 0.0 ? 0.0 : steepest);
     }
-    if (a[0] > 0.0 && steepest < 0.0) {
+    if (a[0] > 0.0 && steepest <= 0.0) {
+        struct root_bracket_end low = {0.0, a[0], a[1]};
         struct root_bracket_end high = {.s = end};
         power_sum_and_slope(&series, end, &high.value, &high.slope);
-        return high.value > 0.0 ? (double)INFINITY
-                                : root_between(power_sum_and_slope, &series,
-                                               (struct root_bracket_end){0.0, a[0], a[1]}, high);
+        if (high.value > 0.0) {
+            return (double)INFINITY;
+        }
+        const double fallen = a[0] - high.value;
+        if (a[0] < AS_A_POWER * fallen && high.slope < 0.0) {
+            struct root_bracket_end near = {.s = end * pow(a[0] / fallen, fallen / (-end * high.slope))};
+            power_sum_and_slope(&series, near.s, &near.value, &near.slope);
+            *(near.value > 0.0 ? &low : &high) = near;
+        }
+        return root_between(power_sum_and_slope, &series, low, high);
     }
     double of[TAYLOR_TERMS];
     double power = 1.0;

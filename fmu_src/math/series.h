@@ -1,7 +1,7 @@
 /*
- * Truncated power series in one variable, for Taylor integration (Jorba and Zou, Experimental Mathematics 14
- * (2005) 99). Coefficients are made one order at a time: each function computes coefficient `order` of its
- * result from coefficients 0..order of its operands.
+ * This file has truncated power series in one variable, for Taylor integration (Jorba and Zou, Experimental
+ * Mathematics 14 (2005) 99). Coefficients are made one order at a time: each function computes coefficient
+ * `order` of its result from coefficients 0..order of its operands.
  */
 #ifndef CONTACT_MATH_SERIES_H
 #define CONTACT_MATH_SERIES_H
@@ -24,14 +24,15 @@ void taylor_put(struct two_way *to, int order, double value);
 /* Returns a coefficient of the product of the series a and b. Coefficients not known yet have to be zero. */
 double taylor_product(const double *a, const struct two_way *b, int order);
 
-/* Coefficient of a b */
+/* Returns the coefficient of a b. */
 double taylor_multiply(const double *a, const double *b, int order);
 
-/* Coefficient of the power p = a^exponent, a[0] > 0; coefficients below `order` of p are known. */
+/* Returns the coefficient of the power p = a^exponent, a[0] > 0; coefficients below `order` of p are
+ * known. */
 double taylor_power(const double *a, double exponent, const double *p, int order);
 
-/* Coefficient of the quotient q = a / b, b[0] != 0. The root r of a is a / r: with b = q = r and r[order]
- * zero, half of the result is the coefficient `order` of r. */
+/* Returns the coefficient of the quotient q = a / b, b[0] != 0. The root r of a is a / r: with b = q = r and
+ * r[order] zero, half of the result is the coefficient `order` of r. */
 double taylor_divide(const double *a, const double *b, const double *q, int order);
 
 /* Returns the sum of the series at s. */

@@ -54,8 +54,8 @@ static bool inputs_prescribe_all(const struct scene_values *v)
     return true;
 }
 
-/* The inputs of a body in the order of their signals: the row, the path that takes the input, its value, and
- * whether the body follows it. The orientation has no derivatives. */
+/* This table lists the inputs of a body in the order of their signals: the row, the path that takes the
+ * input, its value, and whether the body follows it. The orientation has no derivatives. */
 static const struct input_kind {
     int row;
     size_t path; /* its place in struct body_path [bytes] */
@@ -485,7 +485,7 @@ bool model_apply_inputs(struct model *m)
  * difference quotients of displacements are no more accurate. */
 static const double RATE_AGREEMENT = 1e-6;
 
-/* Bits of model_state.warned_of_rate. */
+/* These are the bits of model_state.warned_of_rate. */
 enum { WARNED_OF_DISPLACEMENT = 1, WARNED_OF_AXIS = 2 };
 
 /* Warns once where two rates of one quantity differ by more than their rounding plus `least`, in the unit of

@@ -118,7 +118,9 @@ enum model_status model_step(struct model *m, const struct step_request *request
     if (m->state.signals_open && model_close_inputs(m) != MODEL_OK) {
         return MODEL_DISCARD;
     }
-    if (model_step_deferred(m, request->end_time)) {
+    if (model_step_deferred(m, request->end_time) ||
+        (SCENE_ANY_FREE && flight_end_means(&m->state.motion, request->end_time) &&
+         model_step_deferred(m, request->end_time))) {
         return MODEL_OK;
     }
     m->outputs = OUTPUTS_NONE; /* at_event and the logger may read outputs within the step */
@@ -272,7 +274,6 @@ static bool motion_is_sound(const struct scene_state *q, bool initialized)
     const bool clocks_are_sound =
         q->clock >= 0.0 && !isnan(q->horizon_clock) && !isnan(q->deferrable_clock) &&
         (q->deferred == 0 || q->deferred == 1) && (q->only_flies == 0 || q->only_flies == 1) &&
-        (q->marked == 0 || q->marked == 1) &&
         (q->deferred == 0 || (q->deferred_from >= 0.0 && q->deferred_from <= q->clock));
     /* Larger coefficients would overflow when the path's origin is moved; inputs and derivatives stay below
      * 1e150. */

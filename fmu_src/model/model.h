@@ -1,6 +1,6 @@
 /*
- * The contact model as an FMI adapter sees it: variables, steps, saved states. The model knows nothing of
- * FMI.
+ * This file is the contact model as an FMI adapter sees it: variables, steps, saved states. The model knows
+ * nothing of FMI.
  *
  * Times are in seconds, all other quantities in SI units. No function prints. Only model_create,
  * model_exit_initialization and model_restore allocate memory. Each refusal is reported through
@@ -20,7 +20,7 @@
 /* The order is that of fmi2Status. */
 enum model_status { MODEL_OK, MODEL_WARNING, MODEL_DISCARD, MODEL_ERROR, MODEL_FATAL };
 
-/* The services that the owner of a model provides to it. */
+/* This struct holds the services that the owner of a model provides to it. */
 struct model_host {
     void *context;
     void (*log)(void *context, enum model_status status, const char *message);
@@ -89,7 +89,7 @@ CONTACT_COLD enum model_status model_get_output_derivatives(struct model *m,
                                                             const struct variable_list *outputs,
                                                             const int *orders, double *values);
 
-/* A product with the matrix J of the derivatives of unknowns with respect to knowns. */
+/* This struct describes a product with the matrix J of the derivatives of unknowns with respect to knowns. */
 struct product {
     bool adjoint; /* true: seed times J, one seed for each unknown; else J times seed, one for each known */
     struct variable_list unknowns, knowns;
@@ -113,7 +113,7 @@ void model_save(struct model *m, void *bytes);
 enum model_status model_restore(struct model *m, const void *bytes);
 
 /*
- * Model Exchange: here an integrator of the importer integrates the model.
+ * In Model Exchange an integrator of the importer integrates the model.
  *
  * - States: displacement and velocity of every body that may be free; orientation (a quaternion of any
  *   length) and angular velocity of every body that may turn freely; the spring of every contact that may

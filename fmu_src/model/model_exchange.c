@@ -1,4 +1,5 @@
-/* Model Exchange: states, rates and event indicators for an integrator of the importer; see model.h. */
+/* This file serves Model Exchange: it has states, rates and event indicators for an integrator of the
+ * importer; see model.h. */
 #include <float.h>
 #include <math.h>
 #include <string.h>

@@ -1,4 +1,4 @@
-/* The motion of the model from one time to another. */
+/* This file moves the model from one time to another. */
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
@@ -60,7 +60,7 @@ static void begin_step(struct scene_state *q)
 {
     if (SCENE_ANY_FREE) {
         struct scene_instant at;
-        transition_begin_step(q, &at);
+        (void)transition_begin_step(q, &at);
     } else if (SUMS_UP_STEPS) {
         prescribed_begin(q);
     }

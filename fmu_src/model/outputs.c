@@ -1,4 +1,5 @@
-/* The outputs of bodies, contacts, rotation and friction, and their derivatives along a path. */
+/* This file computes the outputs of bodies, contacts, rotation and friction, and their derivatives along a
+ * path. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,8 +19,8 @@ static struct vec3 mean_of(struct vec3 now, struct vec3 mark, double window)
                         : vec3_make(0.0, 0.0, 0.0);
 }
 
-/* Largest error of a known peak force by rounding, divided by the peak force. The force of a contact is
- * itself known to this accuracy (touch/segment.c). */
+/* This is the largest error of a known peak force by rounding, divided by the peak force. The force of a
+ * contact is itself known to this accuracy (touch/segment.c). */
 static const double KNOWN = 1e-6;
 
 static bool peaks_are_known(const struct contact_state *state)

@@ -41,7 +41,7 @@ static enum model_status check_rotation(struct model *m, int body)
     return turns && body_is_compound(body) ? check_inertia(m, body) : MODEL_OK;
 }
 
-/* Least sine of the angle between skew axes. The place of contact keeps ten digits beyond it. */
+/* This is the least sine of the angle between skew axes. The place of contact keeps ten digits beyond it. */
 static const double LEAST_SKEW = 1e-6;
 
 /* Checks that axes have directions, and that those of two cylinders are parallel, or skew by choice. */
@@ -169,8 +169,8 @@ static enum model_status check_start(struct model *m)
     return MODEL_OK;
 }
 
-/* Largest r_s divided by r_d without conformity. The effective radius r_s r_d / (r_d - r_s) is here already
- * ten times r_s. */
+/* This is the largest r_s divided by r_d without conformity. The effective radius r_s r_d / (r_d - r_s) is
+ * here already ten times r_s. */
 static const double CONFORMING = 0.9;
 
 /* Warns of conforming surfaces. Hertz's theory assumes a contact area that is small compared with the

@@ -1,4 +1,4 @@
-/* Messages to the owner of a model, and the text of numbers in messages. */
+/* This file sends messages to the owner of a model, and writes numbers in messages. */
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>

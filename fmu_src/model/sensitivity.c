@@ -1,5 +1,5 @@
-/* Derivatives of outputs with respect to time and with respect to inputs. Both are Taylor coefficients
- * along a path (scene_jet.h). */
+/* This file computes derivatives of outputs with respect to time and with respect to inputs. Both are Taylor
+ * coefficients along a path (scene_jet.h). */
 #include <math.h>
 
 #include "model/state.h"

@@ -1,4 +1,4 @@
-/* The model's memory, for the files of this folder. */
+/* This file describes the model's memory, for the files of this folder. */
 #ifndef CONTACT_MODEL_STATE_H
 #define CONTACT_MODEL_STATE_H
 
@@ -21,8 +21,9 @@ enum {
     SIGNAL_EXPLICIT = 8 /* the input goes on by given derivatives */
 };
 
-/* Input components of a body: prescribed displacement, velocity and external force; where bodies may turn,
- * prescribed angular velocity, axis and external torque; where any is a compound, prescribed orientation. */
+/* These are the input components of a body: prescribed displacement, velocity and external force; where
+ * bodies may turn, prescribed angular velocity, axis and external torque; where any is a compound, prescribed
+ * orientation. */
 enum { SIGNALS_EACH = SCENE_ANY_COMPOUND ? 22 : SCENE_ANY_ROTATION ? 18 : 9 };
 
 /* The state is saved as it stands: it is flat, and model_save leaves out its only pointer, motion.v. Doubles

@@ -1,5 +1,5 @@
 /*
- * The variables of an FMU as its adapter sees them. The table is generated from
+ * This file has the variables of an FMU as its adapter sees them. The table is generated from
  * modelDescription/variables.toml and the scene file (scene_variables.c); value references, ranges and order
  * are those of modelDescription.xml.
  */
@@ -57,9 +57,9 @@ enum variable_source {
     VARIABLE_LENGTH = 28           /* a shift by so many bits leaves the number of components */
 };
 
-/* For each of the SCENE_REFERENCES value references: the offset of its Real variable, the bits of enum
- * variable_source and the number of components of its vector, which only the first component has; or 0 where
- * the reference has no Real variable. */
+/* These tables give for each of the SCENE_REFERENCES value references the offset of its Real variable, the
+ * bits of enum variable_source and the number of components of its vector, which only the first component
+ * has; or 0 where the reference has no Real variable. */
 extern const uint32_t scene_reals[];
 
 extern const struct variable scene_variables[];
@@ -76,8 +76,8 @@ const char *scene_idle(const struct scene_values *v, int position);
  * variables.toml), and sets the numbers that it tells by "%s"; NULL: none do. */
 const char *scene_refusal(const struct scene_values *v, double numbers[2]);
 
-/* Positions in scene_variables of the SCENE_STATES states, of their rates, and of the SCENE_INDICATORS event
- * indicators; then the nominal values of the states. */
+/* These are the positions in scene_variables of the SCENE_STATES states, of their rates, and of the
+ * SCENE_INDICATORS event indicators; then the nominal values of the states. */
 extern const uint16_t scene_states[], scene_rates[], scene_indicators[];
 extern const double scene_state_nominals[];
 

@@ -12,10 +12,10 @@
 #include "scene/evaluate.h"
 #include "scene/transition.h"
 
-/* The indices of the integrals: the impulses in the order of struct contact_impulses, that of the force alone
- * where nothing may turn [N s, N m s], and the energies in the order of struct scene_powers [J]. The last
- * integral, of the law's event function, serves only to tell whether a panel resolves this function, which
- * may change where no force acts. */
+/* These are the indices of the integrals: the impulses in the order of struct contact_impulses, that of the
+ * force alone where nothing may turn [N s, N m s], and the energies in the order of struct scene_powers [J].
+ * The last integral, of the law's event function, serves only to tell whether a panel resolves this function,
+ * which may change where no force acts. */
 enum {
     TERM_TORQUES = 3,
     TERM_DISSIPATED = TERM_TORQUES + 6 * SCENE_ANY_TURNING,
@@ -368,8 +368,8 @@ CONTACT_NOINLINE static bool panel_make(const struct span *s, double from, doubl
  * scene/transition.c sets the regimes after an event, at the clock of q.
  */
 
-/* Tilts of n by rounding [rad]. Panels end before the centre and begin behind it where n is tilted by more
- * than TILT_NEAR. A spring is not laid across an n that may be tilted by TILT_LAYING. */
+/* These are tilts of n by rounding [rad]. Panels end before the centre and begin behind it where n is tilted
+ * by more than TILT_NEAR. A spring is not laid across an n that may be tilted by TILT_LAYING. */
 static const double TILT_NEAR = 1e-3;
 static const double TILT_LAYING = 1e-6;
 
@@ -408,15 +408,15 @@ static int event_passed(const struct panel_node *now, const struct panel_node *s
     return ODE_EVENT_GAP;
 }
 
-/* Largest difference of a panel and its halves, divided by the size of their terms. The order 14 of the rule
- * makes the error of the halves much smaller than this difference. */
+/* This is the largest difference of a panel and its halves, divided by the size of their terms. The order 14
+ * of the rule makes the error of the halves much smaller than this difference. */
 static const double PANELS_AGREE = 1e-12;
-/* Largest difference of a panel and its halves, divided by the integrals over the whole span. Where the
- * normal reverses in the centre the force jumps, and panels around the jump need not agree once they are so
- * short. */
+/* This is the largest difference of a panel and its halves, divided by the integrals over the whole span.
+ * Where the normal reverses in the centre the force jumps, and panels around the jump need not agree once
+ * they are so short. */
 static const double JUMPS_AGREE = 1e-14;
-/* Largest relative difference of the integrals of the law's event function. A panel that resolves the
- * function so well shows its changes of sign at the nodes. */
+/* This is the largest relative difference of the integrals of the law's event function. A panel that resolves
+ * the function so well shows its changes of sign at the nodes. */
 static const double EVENTS_AGREE = 1e-6;
 
 /* Whether a spring at the end of a panel and of its halves agrees, up to the rounding of the normal force and
@@ -473,8 +473,8 @@ static bool make_halves(const struct span *s, double to, struct panel half[2])
            panels_agree(s, &whole, &half[0], &half[1]);
 }
 
-/* Parts of a panel in the search for peaks. Each half of a panel has eight nodes, so that no quantity has two
- * extrema within a quarter of the panel. */
+/* This is the number of parts of a panel in the search for peaks. Each half of a panel has eight nodes, so
+ * that no quantity has two extrema within a quarter of the panel. */
 enum { PANEL_PARTS = 4 };
 
 /* Adds panels to the integrals, notes their peaks, and moves the clock and the springs to their end. */
@@ -496,7 +496,7 @@ CONTACT_NOINLINE static void take_panels(struct span *s, const struct panel *pan
     }
 }
 
-/* Number of nodes in both halves of a panel, which share one. */
+/* This is the number of nodes in both halves of a panel, which share one. */
 enum { PANEL_PLACES = 2 * PANEL_NODES - 1 };
 
 static const struct panel_node *panel_node_at(const struct panel half[2], int place)
@@ -585,8 +585,9 @@ static bool pass_event(struct span *s, const struct panel half[2], int passed)
 }
 
 /*
- * The way through the centre. Where the source's centre passes exactly through the destination's centre, axis
- * or circle, n reverses and the forces jump. Panels end right before it and begin right behind it.
+ * The functions that follow lead through the centre. Where the source's centre passes exactly through the
+ * destination's centre, axis or circle, n reverses and the forces jump. Panels end right before it and begin
+ * right behind it.
  */
 
 /* Most doublings of the time in which a source leaves the centre at its present relative speed. A source that
@@ -915,7 +916,7 @@ void prescribed_begin(struct scene_state *q)
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         q->contact[j].physics.impulse = (struct contact_impulses){.force = {0.0, 0.0, 0.0}};
     }
-    transition_begin_step(q, &at);
+    (void)transition_begin_step(q, &at);
 }
 
 #endif

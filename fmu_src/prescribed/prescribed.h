@@ -14,8 +14,8 @@
 
 #include "scene/scene_state.h"
 
-/* Most panels of a communication step. A contact takes some dozens; so many panels take about a second of
- * computing. */
+/* This is the largest number of panels of a communication step. A contact takes some dozens; so many panels
+ * take about a second of computing. */
 enum { PRESCRIBED_PANELS = 20000 };
 
 /* Integrates the prescribed contacts over [q->clock, end], on which no regime changes, and books impulses,

@@ -6,7 +6,7 @@
 #include "scene/evaluate.h"
 #include "scene/scene_jet.h"
 
-/* An event function on a dense output, or its slope, as the argument of a root finder. */
+/* This struct holds an event function on a dense output, or its slope, as the argument of a root finder. */
 struct probe {
     struct dense_output *output;
     const struct event_function *what;

@@ -1,4 +1,5 @@
-/* The dense output of a segment: samples of it, the first event on it, and the largest values on it. */
+/* This file has the dense output of a segment: samples of it, the first event on it, and the largest values
+ * on it. */
 #ifndef CONTACT_SCENE_DENSE_OUTPUT_H
 #define CONTACT_SCENE_DENSE_OUTPUT_H
 
@@ -16,8 +17,8 @@ enum pair_quantity {
     PAIR_QUANTITIES = SCENE_ANY_CAPS ? PAIR_AXIAL + 1 : PAIR_RADIAL
 };
 
-/* Each quantity with its first two derivatives by the segment's variable s: g [m], g' as the law sees it
- * [m/s], F_n [N]; at a rim the distances of the centre beyond side and cap [m]. */
+/* A sample holds each quantity with its first two derivatives by the segment's variable s: g [m], g' as the
+ * law sees it [m/s], F_n [N]; at a rim the distances of the centre beyond side and cap [m]. */
 struct pair_sample {
     double of[PAIR_QUANTITIES][3];
 };
@@ -48,7 +49,8 @@ void dense_output_add(struct dense_output *w, double s);
 /* Returns the sample at any s and keeps it, until this function or a search below asks for another s. */
 const struct pair_sample *dense_output_at(struct dense_output *w, double s);
 
-/* An event function: factor times quantity + offset. A fall through zero is an event. */
+/* This struct describes an event function: factor times quantity + offset. A fall through zero is an
+ * event. */
 struct event_function {
     enum pair_quantity quantity;
     double factor, offset;
@@ -82,8 +84,8 @@ struct event_place dense_output_largest(struct dense_output *w, const struct eve
                                         const struct dense_range *range, double known);
 
 /*
- * The dense output of a contact without a segment: its motion is prescribed, or an integrator computes it
- * between the ends of its steps. The samples show the largest force and penetration.
+ * These functions serve the dense output of a contact without a segment: its motion is prescribed, or an
+ * integrator computes it between the ends of its steps. The samples show the largest force and penetration.
  */
 
 struct scene_output {

@@ -873,7 +873,7 @@ static struct vec3 acceleration_of_end(const struct scene_instant *at, int conta
  * g'' = side (n'.w_g + n.w_g') with the rate w_g of c as the destination sees it, which turns with omega:
  *   w_g = w - omega x c,   w_g' = a_dst - a_src - omega' x c - omega x w,   n' = omega x n + T w_g / d
  */
-static double gap_acceleration(const struct scene_instant *at, int contact)
+double scene_gap_acceleration(const struct scene_instant *at, int contact)
 {
     const int destination = contact_destination(contact);
     const struct contact_shape shape = scene_shape_met(at, contact);
@@ -895,7 +895,7 @@ static double gap_acceleration(const struct scene_instant *at, int contact)
 double scene_pressing_acceleration(const struct scene_instant *at, int contact)
 {
     const double own = at->normal_force[contact] * scene_inverse_mass(at->v, contact);
-    return fmax(own - gap_acceleration(at, contact), 0.0);
+    return fmax(own - scene_gap_acceleration(at, contact), 0.0);
 }
 
 double turning_normal_force_rate(const struct scene_instant *at, int contact)
@@ -905,7 +905,7 @@ double turning_normal_force_rate(const struct scene_instant *at, int contact)
     const double gap = fmin(g->gap, -FRICTION_LEAST_DEPTH);
     const struct contact_slopes slopes =
         contact_force_slopes(&law, (enum contact_regime)at->q->contact[contact].regime, gap, g->gap_rate);
-    const double by_rate = slopes.by_rate == 0.0 ? 0.0 : slopes.by_rate * gap_acceleration(at, contact);
+    const double by_rate = slopes.by_rate == 0.0 ? 0.0 : slopes.by_rate * scene_gap_acceleration(at, contact);
     return slopes.by_gap * g->gap_rate + by_rate;
 }
 

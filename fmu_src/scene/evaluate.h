@@ -1,6 +1,7 @@
 /*
- * The scene's bodies and contacts at one instant: positions, geometry, forces, accelerations.
- * Frame: world; SI units. Newton's law for each free body: m a = m gravity + external force + contact forces.
+ * This file has the scene's bodies and contacts at one instant: positions, geometry, forces and accelerations
+ * in the world frame, in SI units. Newton's law for each free body: m a = m gravity + external force +
+ * contact forces.
  */
 #ifndef CONTACT_SCENE_EVALUATE_H
 #define CONTACT_SCENE_EVALUATE_H
@@ -10,8 +11,8 @@
 #include "math/compiler.h"
 #include "scene/scene_state.h"
 
-/* Rotations and friction at one instant. Where scene_turns they are computed with the forces, else by
- * turning_complete alone. */
+/* This struct holds rotations and friction at one instant. Where scene_turns they are computed with the
+ * forces, else by turning_complete alone. */
 struct turning_instant {
     struct body_turn body[SCENE_BODIES];         /* identity and zero for a body that does not turn */
     struct vec3 source_arm[SCENE_CONTACTS];      /* p - x_src = r_s e, of a compound R o + r_s e [m] */
@@ -101,6 +102,9 @@ double body_inverse_mass(const struct scene_values *v, int body);
 
 /* Returns the sum of the inverse masses of a contact's bodies [1/kg], the inverse of the effective mass. */
 double scene_inverse_mass(const struct scene_values *v, int contact);
+
+/* Returns g'' of a contact [m/s^2]. `at` must have forces. */
+double scene_gap_acceleration(const struct scene_instant *at, int contact);
 
 /* Returns the acceleration that presses a contact's bodies together [m/s^2]: -g'' without the contact's own
  * normal force, at least zero. The function divides this force by the effective mass, and leaves out the
@@ -196,8 +200,8 @@ double rounding_of_force(const struct scene_instant *at, int contact);
 double rounding_margin_offset(const struct scene_instant *at, int contact, double tolerated);
 
 /*
- * Torques, angular accelerations and rates of springs at an instant with forces. Frame: world; SI units.
- * A contact that is apart has zero torques and a zero rate of its spring.
+ * The functions below give torques, angular accelerations and rates of springs at an instant with forces, in
+ * the world frame, in SI units. A contact that is apart has zero torques and a zero rate of its spring.
  */
 
 /* Returns the part of an angular velocity or a torque that turns a body: all of it, or for a body that keeps
@@ -275,8 +279,8 @@ bool zones_pass(struct scene_state *q, const struct scene_instant *at, int conta
 double zones_margin(const struct scene_instant *at, int contact);
 
 /*
- * The scene at its present clock. Gaps and rates that integration has accumulated replace those made from
- * positions and velocities, because they have more digits.
+ * Computes the scene at its present clock. Gaps and rates that integration has accumulated replace those made
+ * from positions and velocities, because they have more digits.
  */
 
 /* scene_kinematics_now leaves out accelerations and forces; scene_now computes the whole instant. */
@@ -315,8 +319,8 @@ CONTACT_COLD struct contact_law onset_law_slope(const struct scene_instant *at, 
 enum contact_regime onset_note(struct scene_state *q, const struct scene_instant *at, int contact,
                                enum contact_regime next);
 
-/* Energies of the scene [J]. The sum kinetic + potential + contact + dissipated - external work stays
- * constant. Where something turns or rubs, rotational + tangential + friction are added to this sum. */
+/* The energies of the scene follow [J]. The sum kinetic + potential + contact + dissipated - external work
+ * stays constant. Where something turns or rubs, rotational + tangential + friction are added to this sum. */
 
 /* `stored` is the energy of the normal forces, `tangential` that of the springs of friction. */
 struct scene_energies {
@@ -334,9 +338,10 @@ double energy_potential(const struct scene_instant *at, struct vec3 field);
 /* Returns the energy that the normal forces of all contacts store. */
 double energy_stored(const struct scene_instant *at);
 
-/* Powers [W], of one contact or summed over bodies and contacts: those that dashpots dissipate; those of the
- * external forces and torques, and of the drives of prescribed motions and rotations against contacts; those
- * that friction with its springs and the resistances to rolling and spinning take, -F_t.v_t - M.omega. */
+/* This struct holds powers [W] of one contact, or summed over bodies and contacts: those that dashpots
+ * dissipate; those of the external forces and torques, and of the drives of prescribed motions and rotations
+ * against contacts; those that friction with its springs and the resistances to rolling and spinning take,
+ * -F_t.v_t - M.omega. */
 struct scene_powers {
     double dissipated, external, friction;
 };

@@ -750,8 +750,8 @@ double projection_balance(const struct scene_instant *at)
     return balance;
 }
 
-/* Largest correction of the energy as a fraction of the energy. An integrator's error is smaller, so that a
- * larger difference has another cause. */
+/* This is the largest correction of the energy as a fraction of the energy. An integrator's error is smaller,
+ * so that a larger difference has another cause. */
 static const double LARGEST_CORRECTION = 1e-3;
 
 /* Number of steps whose errors may add up: a contact takes some thousand internal steps at the smallest

@@ -1,6 +1,6 @@
 /*
- * The scene as a system of ordinary differential equations within fixed regimes, for integrators that know
- * nothing of contact. SI units; all arrays are the caller's.
+ * This file has the scene as a system of ordinary differential equations within fixed regimes, for
+ * integrators that know nothing of contact. SI units; all arrays are the caller's.
  *
  *   y = (moved [m], v [m/s] of each free body; impulse on the source of each contact [N s], and of the
  *        torque on the destination [N m s], if there may be one; dissipated energy [J]; external work [J])
@@ -66,8 +66,8 @@ static inline int ode_event_part(enum ode_event event)
 
 enum { ODE_MOST_GROUPS = SCENE_BODIES + SCENE_CONTACTS };
 
-/* The indices in y of the states; -1: y has no such state. y may leave out bodies that fly and contacts of
- * such bodies that are apart. */
+/* This struct holds the indices in y of the states; -1: y has no such state. y may leave out bodies that fly
+ * and contacts of such bodies that are apart. */
 struct ode_layout {
     int body[SCENE_BODIES];        /* `moved`, which v follows */
     int spin[SCENE_BODIES];        /* L / I_1 */

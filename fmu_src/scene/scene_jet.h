@@ -1,7 +1,8 @@
 /*
- * The jet of the scene: Taylor coefficients of order up to two along a path through the present instant, in
- * time or along a change of the inputs. contact/slopes.h has the jet of one contact. CONTACT_COLD marks the
- * functions that are called rarely; the Jacobian of the ODE calls jet_of_contact for each of its columns.
+ * The jet of the scene consists of Taylor coefficients of order up to two along a path through the present
+ * instant, in time or along a change of the inputs. contact/slopes.h has the jet of one contact. CONTACT_COLD
+ * marks the functions that are called rarely; the Jacobian of the ODE calls jet_of_contact for each of its
+ * columns.
  */
 #ifndef CONTACT_SCENE_SCENE_JET_H
 #define CONTACT_SCENE_SCENE_JET_H

@@ -1,7 +1,8 @@
 /*
- * The state of motion of a scene. The struct is flat and has no pointers but that to the scene's values, so
- * that copying it saves it; a saved state of an FMU leaves the pointer out (model/model.c). It has fields for
- * every kind of scene; the fields that this scene has no code for stay zero.
+ * This file describes the state of motion of a scene. The struct is flat and has no pointers but that to the
+ * scene's values, so that copying it saves it; a saved state of an FMU leaves the pointer out
+ * (model/model.c). It has fields for every kind of scene; the fields that this scene has no code for stay
+ * zero.
  *
  * Time is kept as base + base_tail + clock. The clock starts at zero whenever the motion is rebased (an
  * event, a change of input), so that short contacts keep all their digits at late times; base_tail holds what
@@ -50,7 +51,7 @@ enum turn_follows {
     TURN_FOLLOWS_AXIS_ALONE
 };
 
-/* Inputs between communication points: sum of coefficient[i] clock^i. */
+/* Between communication points an input is the sum of coefficient[i] clock^i. */
 struct body_path {
     struct vec3 displacement[4];     /* of a prescribed body [m, m/s, ...] */
     struct vec3 velocity[3];         /* of a prescribed body [m/s, ...] */
@@ -76,7 +77,8 @@ struct contact_parameters {
 #endif
 };
 
-/* Impulses of the force on the source [N s], and of the torques about the bodies' centres [N m s]. */
+/* This struct holds impulses of the force on the source [N s], and of the torques about the bodies' centres
+ * [N m s]. */
 struct contact_impulses {
     struct vec3 force, destination_torque, source_torque;
 };
@@ -173,7 +175,7 @@ struct unfinished_step {
     int32_t unused;       /* in place of padding */
 };
 
-/* What the general segment knows of its next step. */
+/* This struct holds what the general segment knows of its next step. */
 struct step_plan {
     double longest; /* estimate of the longest accurate step of twelve stages [s]; 0: none yet */
     double last_length, last_error; /* of the last accepted step of this phase; a length of 0: none yet */
@@ -209,8 +211,10 @@ struct scene_state {
     struct contact_state contact[SCENE_CONTACTS];
     /* clock up to which regime changes have been predicted; at or before `clock`: predict again */
     double horizon_clock;
-    double deferrable_clock; /* steps may be deferred up to this clock, see flight_defer; 0: not known */
-    struct step_plan plan;   /* may hold INFINITY */
+    /* steps may be deferred up to this clock, see flight_defer; 0: not known. Below zero: up to the opposite
+     * clock, once the means and peaks of the last step have ended */
+    double deferrable_clock;
+    struct step_plan plan;                   /* may hold INFINITY */
     struct body_origin origin[SCENE_BODIES]; /* used where the body is free */
     struct body_state body[SCENE_BODIES];
     double phase_energy; /* projection_balance at the start of the phase [J] */
@@ -227,8 +231,6 @@ struct scene_state {
     /* 1: the motion is deferred and stands at an earlier clock; see integrator_catch_up */
     int32_t deferred;
     int32_t only_flies; /* 1: the deferred steps are flights in which nothing turns; see outputs_foresee */
-    int32_t marked; /* 1: the means and peaks of the last step with a force have ended, see flight_defer */
-    int32_t unused; /* in place of padding */
     const struct scene_values *v; /* of the scene */
     double deferred_from;         /* the clock at which the last deferred step began [s] */
     struct phase_start phase;     /* used by event_driven */

@@ -564,18 +564,37 @@ void transition_mark_step(struct scene_state *q)
     }
 }
 
-void transition_begin_step(struct scene_state *q, struct scene_instant *at)
+/* Notes the present instant, and returns whether `at` is set. Bodies in flight need no forces for that. Where
+ * bodies fly outside each other, n is defined everywhere and nothing is noted. */
+static bool note_now(struct scene_state *q, struct scene_instant *at)
 {
-    scene_now(q, at);
-    q->step_length = 0.0;
-    q->marked = 0;
-    transition_mark_step(q);
+    bool touches = !SCENE_ANY_FREE;
+    bool within = touches;
+    for (int j = 0; SCENE_ANY_FREE && j < SCENE_CONTACTS; ++j) {
+        touches = touches || q->contact[j].regime != (int32_t)REGIME_APART;
+        within = within || scene_contact_side(q, j) < 0.0;
+    }
+    if (touches) {
+        scene_now(q, at);
+    } else if (within) {
+        scene_kinematics_now(q, at);
+    } else {
+        return false;
+    }
     note_instant(q, at);
+    return true;
+}
+
+bool transition_begin_step(struct scene_state *q, struct scene_instant *at)
+{
+    q->step_length = 0.0;
+    q->deferrable_clock = -fabs(q->deferrable_clock);
+    transition_mark_step(q);
+    return note_now(q, at);
 }
 
 void transition_end_step(struct scene_state *q)
 {
     struct scene_instant at;
-    scene_now(q, &at);
-    note_instant(q, &at);
+    (void)note_now(q, &at);
 }

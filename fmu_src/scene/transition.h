@@ -1,7 +1,7 @@
 /*
- * Transitions: changes of the regimes of law and friction, and the instants at which bodies begin or cease to
- * touch. The margins below tell how far a contact is from its next change of regime, for an integrator that
- * finds zeros of continuous functions. Each margin is increased in size by a few rounding errors. It is
+ * Transitions are changes of the regimes of law and friction, and the instants at which bodies begin or cease
+ * to touch. The margins below tell how far a contact is from its next change of regime, for an integrator
+ * that finds zeros of continuous functions. Each margin is increased in size by a few rounding errors. It is
  * therefore never zero right after a change, and rounding alone never changes its sign.
  */
 #ifndef CONTACT_SCENE_TRANSITION_H
@@ -51,10 +51,11 @@ void transition_settle_regimes(struct scene_state *q, double stored_before, bool
  */
 void transition_take_law(struct scene_state *q, const bool *changed, double stored_before);
 
-/* Begin and end a communication step, over which peaks and mean force are taken. `at` becomes the present
- * instant. transition_mark_step lets means and peaks begin anew, and needs no instant. */
+/* Begin and end a communication step, over which peaks and mean force are taken. Where the begin needs the
+ * present instant, it sets `at` and returns true. transition_mark_step lets means and peaks begin anew, and
+ * needs no instant. */
 void transition_mark_step(struct scene_state *q);
-void transition_begin_step(struct scene_state *q, struct scene_instant *at);
+bool transition_begin_step(struct scene_state *q, struct scene_instant *at);
 void transition_end_step(struct scene_state *q);
 
 #endif

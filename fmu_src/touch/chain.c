@@ -31,9 +31,10 @@ static bool goes_along(const struct contact_shape *shape, struct vec3 normal, st
     return vec3_max_abs(vec3_axpy(across, -vec3_dot(normal, across), normal)) <= CHAIN_SAME * size;
 }
 
-/* Whether n keeps its direction while the bodies fly, and the gap is a parabola. */
+/* Whether n keeps its direction while the bodies fly with the relative acceleration `a` [m/s^2], and the gap
+ * is a parabola. */
 static bool flies_along(const struct chain *c, const struct scene_instant *at, int contact,
-                        const struct contact_shape *shape, const struct separation_path *flight)
+                        const struct contact_shape *shape, struct vec3 a)
 {
     const struct contact_geometry *g = &at->geometry[contact];
     const int source = contact_source(contact);
@@ -44,8 +45,8 @@ static bool flies_along(const struct chain *c, const struct scene_instant *at, i
         !flight_is_steady(at->q, source) || !flight_is_steady(at->q, destination)) {
         return false;
     }
-    return goes_along(shape, g->normal, flight->c[1], c->speed) &&
-           goes_along(shape, g->normal, flight->c[2], c->pull);
+    return goes_along(shape, g->normal, at->rate[contact], c->speed) &&
+           goes_along(shape, g->normal, a, c->pull);
 }
 
 /* Returns W_ij [1/kg] without the factor u_i.u_j. */
@@ -68,24 +69,26 @@ static bool put_row(struct chain *c, const struct scene_instant *at, int contact
 {
     const struct contact_geometry *g = &at->geometry[contact];
     const struct contact_shape shape = scene_contact_shape(at->q, contact);
-    const struct separation_path flight = separation_path_of(at, at->q->clock, contact);
+    const struct vec3 a =
+        vec3_sub(c->flight[contact_destination(contact)], c->flight[contact_source(contact)]);
     const int i = c->rows;
     const struct contact_law law = scene_contact_law(at->q, contact);
     const double k = contact_factors_of(&law, REGIME_COMPRESSION).k;
     const bool is_spring = contact_is_elastic(&law) && !contact_is_hertz(&law) && k > 0.0;
     if (i == CHAIN_MOST || !(is_spring || !contact_transmits(at->q, contact)) ||
-        !flies_along(c, at, contact, &shape, &flight)) {
+        !flies_along(c, at, contact, &shape, a)) {
         return false;
     }
     c->contact[i] = contact;
     c->push[i] = vec3_scale(shape.side, g->normal);
     c->lever[i] = vec3_make(0.0, 0.0, 0.0);
     if (shape.destination != SHAPE_SPHERE) {
-        c->lever[i] = vec3_axpy(flight.c[0], -vec3_dot(flight.c[0], c->push[i]), c->push[i]);
+        const struct vec3 separation = at->separation[contact];
+        c->lever[i] = vec3_axpy(separation, -vec3_dot(separation, c->push[i]), c->push[i]);
     }
     c->gap[i] = g->gap;
     c->rate[i] = g->gap_rate;
-    c->acceleration[i] = 2.0 * vec3_dot(c->push[i], contact_across(&shape, flight.c[2]));
+    c->acceleration[i] = vec3_dot(c->push[i], contact_across(&shape, a));
     c->root[i] = sqrt(k);
     const double missing = contact_transmits(at->q, contact) ? c->gap[i] : -c->gap[i];
     c->offset[i] = fmax(missing, 0.0) + rounding_of_gap(at, contact);
@@ -252,11 +255,14 @@ static void mode_go_on(const struct chain *c, int k, const struct mode_step *by,
 
 static struct mode_at mode_at(const struct chain *c, int k, double t, bool with_integrals)
 {
+    struct mode_at mode = {.rate = c->start_rate[k], .bend = c->start_bend[k]};
+    if (!(t > 0.0)) {
+        return mode;
+    }
     const double omega = c->frequency[k];
     const struct mode_step by = mode_step_of(omega, t);
-    struct mode_at mode = {.rate = c->start_rate[k], .bend = c->start_bend[k]};
     mode_go_on(c, k, &by, &mode);
-    if (with_integrals && t > 0.0) {
+    if (with_integrals) {
         const double x = omega * t;
         const double square = omega * omega;
         const double cube = t * t * t;
@@ -282,7 +288,7 @@ static void chain_at(const struct chain *c, double time, struct chain_instant *a
     }
 }
 
-/* g, g' and g'' of a contact. */
+/* This struct holds g, g' and g'' of a contact. */
 struct gap_at {
     double gap, rate, bend;
 };
@@ -360,7 +366,7 @@ static void make_piece(const struct chain *c, double from, double to, struct cha
 /* Sets the event function of a contact in a piece, as a polynomial of x in [0, 1]. It falls through zero
  * where the contact begins or ends. */
 static void make_event(const struct chain *c, int row, const struct chain_piece *piece, struct gap_at g,
-                       double of[CHAIN_TERMS])
+                       double of[restrict CHAIN_TERMS])
 {
     const bool touches = row < c->touching;
     const double sign = touches ? -1.0 : 1.0;
@@ -387,8 +393,10 @@ static double change_within(const struct chain *c, int row, const struct chain_p
     double event[CHAIN_TERMS];
     const double length = piece->length;
     const struct gap_at g = chain_gap_at(c, row, &piece->start);
-    /* no gap in the piece is larger than the gap at its start and this bound of the gap at its end */
-    const double largest_gap = g.gap + length * (g.rate + 0.5 * length * c->bend[row]);
+    /* No gap in the piece is larger than the gap at its start and this bound of the gap at its end. |g'''| is
+     * at most the bound of |g''| times the fastest frequency, and the piece lasts a radian of it at most. */
+    const double bend = fmin(c->bend[row], fmax(g.bend, 0.0) + c->bend[row] / 3.0);
+    const double largest_gap = g.gap + length * (g.rate + 0.5 * length * bend);
     if (g.gap < 0.0 && largest_gap < 0.0) {
         return (double)INFINITY;
     }
@@ -420,14 +428,17 @@ void chain_find_end(struct chain *c, double longest)
     }
 }
 
-static void note_sizes(struct chain *c, const struct scene_instant *at)
+/* Notes the accelerations of the bodies without contact forces, and the largest speed and acceleration. */
+static void note_flight(struct chain *c, const struct scene_instant *at)
 {
     c->speed = c->pull = 0.0;
     for (int i = 0; i < SCENE_BODIES; ++i) {
+        c->flight[i] = vec3_make(0.0, 0.0, 0.0);
         if (body_is_free(at->v, i)) {
-            const double force = vec3_norm(at->q->path[i].force[0]) / body_mass(at->v, i);
+            const struct vec3 by_force = vec3_scale(1.0 / body_mass(at->v, i), at->q->path[i].force[0]);
+            c->flight[i] = vec3_add(gravity(at->v), by_force);
             c->speed = fmax(c->speed, vec3_norm(at->velocity[i]));
-            c->pull = fmax(c->pull, vec3_norm(gravity(at->v)) + force);
+            c->pull = fmax(c->pull, vec3_norm(gravity(at->v)) + vec3_norm(by_force));
         }
     }
 }
@@ -440,7 +451,7 @@ bool chain_make(struct chain *c, const struct scene_instant *at)
     if (scene_turns(q->v)) {
         return false;
     }
-    note_sizes(c, at);
+    note_flight(c, at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const bool pushes = contact_pushes(q, j);
         if (pushes && !put_row(c, at, j)) {
@@ -486,9 +497,10 @@ static const double CHAIN_PART = 0.5;
 /* Returns the largest of `depth` and of the depths at the end and at a top of a part of the motion. `before`
  * is the motion at the start of the part; the function sets it to the motion at the end. */
 static double raised_peak(double depth, struct gap_at *before, const struct chain *c, int row,
-                          const struct chain_instant *end, double length)
+                          const struct chain_instant *end, double start)
 {
-    const struct root_bracket_end low = {end->time - length, before->rate, before->bend};
+    const double length = end->time - start;
+    const struct root_bracket_end low = {start, before->rate, before->bend};
     const struct gap_at after = chain_gap_at(c, row, end);
     const double most = fmin(-length * before->rate - before->gap, length * after.rate - after.gap);
     *before = after;
@@ -504,8 +516,9 @@ static double raised_peak(double depth, struct gap_at *before, const struct chai
     return depth;
 }
 
-/* Notes the largest forces and depths of the contacts in touch between two times. */
-static void note_peaks_of_chain(const struct chain *c, double from, double to, struct scene_state *q)
+/* Notes the largest forces and depths of the contacts in touch from a time to the instant `end`. */
+static void note_peaks_of_chain(const struct chain *c, double from, const struct chain_instant *end,
+                                struct scene_state *q)
 {
     struct gap_at before[CHAIN_MOST]; /* at the start of the present part */
     double depth[CHAIN_MOST];         /* the largest so far [m] */
@@ -519,19 +532,17 @@ static void note_peaks_of_chain(const struct chain *c, double from, double to, s
         before[i] = chain_gap_at(c, i, &at);
         depth[i] = fmax(q->contact[c->contact[i]].peaks.penetration, -before[i].gap);
     }
-    for (double time = from; time < to && any; time += part) {
+    for (double time = from; time < end->time && any; time += part) {
+        const bool is_last = !(time + part < end->time);
         any = false;
-        for (int k = 0; k < c->touching; ++k) {
+        for (int k = 0; k < c->touching && !is_last; ++k) {
             mode_go_on(c, k, &step[k], &at.mode[k]);
         }
         at.time = time + part;
-        if (at.time >= to) {
-            chain_at(c, to, &at, false);
-        }
         for (int i = 0; i < c->touching; ++i) {
             if (-c->least[i] > depth[i] * (1.0 + CHAIN_WORTH)) {
                 any = true;
-                depth[i] = raised_peak(depth[i], &before[i], c, i, &at, at.time - time);
+                depth[i] = raised_peak(depth[i], &before[i], c, i, is_last ? end : &at, time);
             }
         }
     }
@@ -547,10 +558,10 @@ void chain_advance(const struct chain *c, double from, double time, struct scene
     struct body_state change[SCENE_BODIES]; /* what the contact forces add to the flight of a body */
     struct chain_instant at;
     memset(change, 0, sizeof change);
-    if (from < time) {
-        note_peaks_of_chain(c, from, time, q);
-    }
     chain_at(c, time, &at, true);
+    if (from < time) {
+        note_peaks_of_chain(c, from, &at, q);
+    }
     for (int i = 0; i < c->touching; ++i) {
         const int contact = c->contact[i];
         struct contact_state *state = &q->contact[contact];

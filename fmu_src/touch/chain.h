@@ -1,7 +1,7 @@
 /*
- * A chain: contacts without damping under the linear law that share free bodies and whose normals never turn,
- * as in a row of balls that hit each other head-on, or where balls meet planes. Its motion is a sum of modes
- * in closed form, however stiff the contacts are.
+ * A chain consists of contacts without damping under the linear law that share free bodies and whose normals
+ * never turn, as in a row of balls that hit each other head-on, or where balls meet planes. Its motion is a
+ * sum of modes in closed form, however stiff the contacts are.
  *
  * Let u = side n be the direction in which a contact pushes its destination, so that g' = u.(v_d - v_s). The
  * gaps obey
@@ -20,7 +20,7 @@
 #ifndef CONTACT_TOUCH_CHAIN_H
 #define CONTACT_TOUCH_CHAIN_H
 
-#include "flight/relative_path.h"
+#include "scene/evaluate.h"
 
 /* A chain has at most this many contacts, those apart included. Its eigenvalues cost some 30 n^3 operations
  * for n contacts in touch, and are computed once for each phase. */
@@ -52,8 +52,9 @@ struct chain {
     double offset[CHAIN_MOST]; /* a contact changes where its gap passes zero by more than this [m] */
     double fastest;            /* the largest frequency [1/s] */
     double speed, pull;        /* largest speed [m/s] and acceleration [m/s^2] of free bodies at the start */
-    double end;                /* the time at which the first contact changes, or the time asked for [s] */
-    int terminal;              /* the row of this contact; -1: none changes */
+    struct vec3 flight[SCENE_BODIES]; /* the acceleration of each body without contact forces [m/s^2] */
+    double end;   /* the time at which the first contact changes, or the time asked for [s] */
+    int terminal; /* the row of this contact; -1: none changes */
 };
 
 /* Makes the chain of all contacts in touch from the present instant. Returns false where it is none. */

@@ -83,8 +83,8 @@ static double integrate_change(struct collocation *p, int k)
  * divided by k. A shorter step costs less than more sweeps. */
 enum { MAX_SWEEPS = 30 };
 
-/* Rounding of the coefficients relative to the nodal values: a coefficient is a sum of nodal values with
- * factors up to 611 (lobatto.monomial). */
+/* This is the rounding of the coefficients relative to the nodal values: a coefficient is a sum of nodal
+ * values with factors up to 611 (lobatto.monomial). */
 static const double COEFFICIENT_ROUNDING = 1e-12;
 
 /* Returns the part by Hertz's spring of d2x/ds2 at a node [m]: half^2 side (k_h / m_red) delta^(3/2). */
@@ -174,10 +174,10 @@ static void follow_rate(struct collocation *p, const double *rate, const double 
     }
 }
 
-/* An overdamped step under Hertz's law. The rate v = dx/ds follows from v + v'/decay = (load + push) / decay,
- * where `push` is the spring's part of the force and `decay` the fast decay's rate, both by the depth. The
- * left side is solved with the mean of 1/decay. The rest of v'/decay is taken from the last sweep. y is the
- * fast decay, by which v misses the rate of the start. */
+/* This function takes an overdamped step under Hertz's law. The rate v = dx/ds follows from v + v'/decay =
+ * (load + push) / decay, where `push` is the spring's part of the force and `decay` the fast decay's rate,
+ * both by the depth. The left side is solved with the mean of 1/decay. The rest of v'/decay is taken from the
+ * last sweep. y is the fast decay, by which v misses the rate of the start. */
 static void creeping_response(struct collocation *p, const double *load)
 {
     nodal_values right = {0.0};

@@ -1,5 +1,5 @@
 /*
- * Motion in contact in local coordinates, by exponential collocation.
+ * This file computes motion in contact in local coordinates, by exponential collocation.
  *
  *   c = d n across a cylinder's axis,   d = reach + x,
  *   x'' + damping_rate x' + omega2 x = f
@@ -60,7 +60,7 @@ struct collocation_problem {
 /* n and H by the four changes of rim_state_of: of azimuth and tilt, then of their momenta. */
 enum { COLLOCATION_ANGLES = 2, COLLOCATION_CHANGES = 4 };
 
-/* Result of the iteration. */
+/* This is the result of the iteration. */
 struct collocation_result {
     double correction[COLLOCATION_CHANGES];   /* the part of the changes at the start that is due to y */
     nodal_values change[COLLOCATION_CHANGES]; /* of n and H since the start, without y */

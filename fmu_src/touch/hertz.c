@@ -5,9 +5,9 @@
 #include "touch/segment.h"
 
 /*
- * Segments under Hertz's law alone, F_n = k_h delta^(3/2) (1 + chi delta'): the closed form of an undamped
- * head-on impact, lasting contact without its oscillation, and how long bodies at the touch hardly feel each
- * other.
+ * This file has the segments under Hertz's law alone, F_n = k_h delta^(3/2) (1 + chi delta'): the closed form
+ * of an undamped head-on impact, lasting contact without its oscillation, and how long bodies at the touch
+ * hardly feel each other.
  */
 
 /* Returns the penetration [m] at which the normal force divided by the reduced mass is `acceleration`
@@ -31,8 +31,9 @@ double hertz_depth_to_come(const struct contact_pair *from, double opening)
 }
 
 /*
- * A head-on impact by Hertz's law without damping, under a constant relative acceleration L that presses the
- * bodies together (negative: pulls them apart), in closed form up to one quadrature.
+ * These functions follow a head-on impact by Hertz's law without damping, under a constant relative
+ * acceleration L that presses the bodies together (negative: pulls them apart), in closed form up to one
+ * quadrature.
  *
  *   v^2 = e + 2 L delta - (4/5) k delta^(5/2),   k = k_h / m_red,   e: the square of the speed at the touch
  *
@@ -44,10 +45,10 @@ double hertz_depth_to_come(const struct contact_pair *from, double opening)
  * Variable s = w less w at the start.
  */
 
-/* The positive half of the Gauss-Legendre rule with 26 points on [-1, 1]. The nearest singularities of dt/dw
- * are the roots of P. For an impact without load they are at w = +-0.966 +- 0.492 i, on the ellipse about -1
- * and 1 whose half axes add up to 2.03, and the error over a whole impact is 2.03^-52 = 1e-16. Under the
- * largest load allowed the sum is 1.93 and the error 1e-15. */
+/* These tables are the positive half of the Gauss-Legendre rule with 26 points on [-1, 1]. The nearest
+ * singularities of dt/dw are the roots of P. For an impact without load they are at w = +-0.966 +- 0.492 i,
+ * on the ellipse about -1 and 1 whose half axes add up to 2.03, and the error over a whole impact is 2.03^-52
+ * = 1e-16. Under the largest load allowed the sum is 1.93 and the error 1e-15. */
 static const struct {
     double node, weight;
 } gauss[] = {
@@ -62,10 +63,10 @@ static const struct {
 
 enum { GAUSS_HALF = sizeof gauss / sizeof gauss[0] };
 
-/* Largest number of steps of Newton's method for delta_max. */
+/* This is the largest number of steps of Newton's method for delta_max. */
 enum { DEEPEST_STEPS = 50 };
 
-/* P = e (1 + u + u^2 + u^3 + u^4) + 2 L delta_max u^2 (1 + u + u^2). */
+/* Computes P = e (1 + u + u^2 + u^3 + u^4) + 2 L delta_max u^2 (1 + u + u^2). */
 static inline double elastic_polynomial(const struct hertz_elastic *p, double u)
 {
     const double high = p->touch + p->pressed;
@@ -78,7 +79,7 @@ static inline double elastic_root(double w)
     return (1.0 - w) * (1.0 + w);
 }
 
-/* dt/dw divided by 4 delta_max [s/m]. */
+/* Returns dt/dw divided by 4 delta_max [s/m]. */
 static inline double elastic_pace(const struct hertz_elastic *p, double w)
 {
     const double u = elastic_root(w);
@@ -270,9 +271,9 @@ bool hertz_elastic_make(struct segment *p)
 }
 
 /*
- * Quasi-static motion: a lasting contact whose oscillation has died away, in steps as long as the tangential
- * motion allows, whatever the stiffness, by touch/collocation.h. Such a step follows the load and leaves out
- * the free oscillation y from its start, so the step is only taken where y is within tolerance.
+ * Quasi-static motion is that of a lasting contact whose oscillation has died away, in steps as long as the
+ * tangential motion allows, whatever the stiffness, by touch/collocation.h. Such a step follows the load and
+ * leaves out the free oscillation y from its start, so the step is only taken where y is within tolerance.
  */
 
 /* This struct holds how fast a lasting contact oscillates, decays and creeps. */
@@ -293,13 +294,13 @@ static struct slow_scales slow_scales_of(const struct contact_pair *from)
 
 /* When lasting contact is quasi-static, and how long a segment is. */
 
-/* Length of a segment at the finest accuracy [radians of the tangential motion]. The segment is accurate
- * between its ends too, because an event may end it. The length grows with the tolerance as polynomials of
- * the nodes' degree allow. */
+/* This is the length of a segment at the finest accuracy [radians of the tangential motion]. The segment is
+ * accurate between its ends too, because an event may end it. The length grows with the tolerance as
+ * polynomials of the nodes' degree allow. */
 static const double SLOW_STEP = 0.7;
 
-/* Smallest length of a segment [radians of the contact's oscillation, or decay times of its damping]. A
- * shorter segment would reach no farther than a few power series. */
+/* This is the smallest length of a segment [radians of the contact's oscillation, or decay times of its
+ * damping]. A shorter segment would reach no farther than a few power series. */
 static const double SLOW_SHORTEST = 16.0;
 
 /* Bounds of the relative accuracy of the penetration and of its remaining oscillation. Between the bounds the
@@ -328,9 +329,9 @@ enum { FAST_ORDER = 6 };
 static const double FAST_CLEARLY = 0.8;
 static const double DECAY_CLEARLY = 4.0;
 
-/* Numbers of trials of a step; each trial is half as long as the one before. The trials after FOLLOWING are
- * for a contact beyond critical damping that is still settling. They are at most CREEP_STEP settling times
- * long. */
+/* These are the numbers of trials of a step; each trial is half as long as the one before. The trials after
+ * FOLLOWING are for a contact beyond critical damping that is still settling. They are at most CREEP_STEP
+ * settling times long. */
 enum { SLOW_ATTEMPTS = 6, FOLLOWING = 2 };
 static const double CREEP_STEP = 2.0;
 

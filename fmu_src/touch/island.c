@@ -10,8 +10,8 @@
 
 #if SCENE_HAS_ISLANDS
 
-/* The error of a series, divided by the whole: a few roundings. A larger error would save few steps, and weak
- * forces that grow within a step would be lost. */
+/* This is the error of a series, divided by the whole: a few roundings. A larger error would save few steps,
+ * and weak forces that grow within a step would be lost. */
 static const double ACCURACY = 1e-15;
 
 /* Whether the series know the shape: a sphere, a plane, or a cylinder whose ends are not met. */
@@ -130,14 +130,7 @@ static void find_bends(struct island *s, const struct scene_instant *at)
     struct scene_instant now = *at;
     scene_forces(NULL, &now);
     for (int i = 0; i < s->terms.rows; ++i) {
-        struct expansion_row *r = &s->terms.row[i];
-        const struct contact_geometry *g = &at->geometry[r->contact];
-        const struct contact_shape shape = scene_contact_shape(at->q, r->contact);
-        const struct vec3 w = at->rate[r->contact];
-        const struct vec3 a = vec3_sub(now.acceleration[contact_destination(r->contact)],
-                                       now.acceleration[contact_source(r->contact)]);
-        const double turning = r->is_straight ? 0.0 : contact_turning_rate(&shape, g, w) * r->by_distance;
-        r->bend = r->side * (vec3_dot(g->normal, a) + turning);
+        s->terms.row[i].bend = scene_gap_acceleration(&now, s->terms.row[i].contact);
     }
 }
 

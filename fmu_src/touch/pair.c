@@ -309,8 +309,8 @@ void frame_flight_make(struct frame_flight *flight, const struct contact_pair *f
     flight->dimensions = !at_rim && flight->head_on ? 1 : leaves_plane ? 3 : 2;
 }
 
-/* Lowest damped frequency treated as an oscillation [radians per s], at 0.97 of critical damping. A lower one
- * decays below rounding within one period. */
+/* This is the lowest damped frequency treated as an oscillation [radians per s], at 0.97 of critical damping.
+ * A lower one decays below rounding within one period. */
 static const double LOWEST_FREQUENCY = 0.25;
 
 static double along_normal(const struct contact_pair *from, int degree)
@@ -730,7 +730,7 @@ double pair_step_within(const struct pair_timescales *scales, double longest, do
     return step;
 }
 
-/* A time less a given one, as the context of a root_function. */
+/* This struct holds a time that is subtracted, as the context of a root_function. */
 struct time_left {
     time_function *time_of;
     const void *of;

@@ -1,5 +1,6 @@
 /*
- * A contact pair: two bodies that exchange a contact force, from one instant on, within one regime.
+ * A contact pair consists of two bodies that exchange a contact force, from one instant on, within one
+ * regime.
  *
  * Without that force the separation would follow the polynomial C(t), its rate W(t) (relative_path.h). With
  * it c = C + r, w = W + r' and m_red r'' = side F_n n, where 1/m_red is the sum of the free bodies' inverse
@@ -114,8 +115,9 @@ struct frame_flight {
 void frame_flight_make(struct frame_flight *flight, const struct contact_pair *from);
 
 /*
- * A contact pair in head-on motion: along the normal alone, under a constant relative acceleration along the
- * normal. The gap is a damped oscillator under a constant load, in closed form for any length of time:
+ * This struct describes a contact pair in head-on motion: along the normal alone, under a constant relative
+ * acceleration along the normal. The gap is a damped oscillator under a constant load, in closed form for any
+ * length of time:
  *
  *   g = equilibrium + y,   m_red y'' + p_nv y' + p_n y = 0,   equilibrium = side m_red n.A / p_n
  *

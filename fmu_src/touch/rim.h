@@ -1,8 +1,8 @@
 /*
- * A circle about the axis e in local coordinates: the rim of a capped cylinder, of radius r_d, or the middle
- * of a torus's tube, of radius R in place of r_d. The normal n has two curvatures there. Its coordinates are
- * the azimuth, by which the direction a from the axis to the centre turns, and the tilt of n from a. Their
- * momenta are h and L:
+ * A circle about the axis e is described in local coordinates: the rim of a capped cylinder, of radius r_d,
+ * or the middle of a torus's tube, of radius R in place of r_d. The normal n has two curvatures there. Its
+ * coordinates are the azimuth, by which the direction a from the axis to the centre turns, and the tilt of n
+ * from a. Their momenta are h and L:
  *
  *   n = cos(tilt) a - sin(tilt) e,   rho = r_d + d cos(tilt),   b = e x a
  *   azimuth' = h / rho^2,   h' = rho b.A
@@ -30,7 +30,7 @@ struct rim_start {
     double azimuth_momentum, tilt_momentum; /* [m^2/s] */
 };
 
-/* Cosines and sines of both angles. */
+/* This struct holds cosines and sines of both angles. */
 struct rim_angles {
     double cosine, sine;               /* of the tilt */
     double turned_cosine, turned_sine; /* of the azimuth */

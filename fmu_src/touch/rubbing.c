@@ -190,7 +190,7 @@ struct travel {
 
 enum { LAST_NODE = LOBATTO_MAX - 1 }; /* of the twelve Lobatto nodes of a panel */
 
-/* Values at the nodes of one panel of s. */
+/* This struct holds values at the nodes of one panel of s. */
 struct way_panel {
     nodal_values time, pace; /* t [s]; its derivative on [-1, 1] */
     nodal_values lost, slip; /* u_0 - u, u [m/s] */
@@ -212,8 +212,8 @@ static double way_panel_make(struct way_panel *panel, const struct slide *f, dou
            nodal_tail(panel->time) * fastest;
 }
 
-/* Sweeps of Picard's iteration: a panel turns by a radian at most, and each sweep k divides the error by some
- * 2 k. The iteration ends where it changes less than a rounding. */
+/* This is the number of sweeps of Picard's iteration: a panel turns by a radian at most, and each sweep k
+ * divides the error by some 2 k. The iteration ends where it changes less than a rounding. */
 enum { MOST_PICARD_SWEEPS = 24 };
 static const double MOST_TURN = 1.0;
 
@@ -262,7 +262,8 @@ static double radians_in(const struct segment *p, double time)
     return decay < rate ? fmin(time, DIED / decay) * rate : 0.0;
 }
 
-/* Longest first panel [radians of the contact's oscillation], so that no panel misses an oscillation. */
+/* This is the longest first panel [radians of the contact's oscillation], so that no panel misses an
+ * oscillation. */
 static const double LONGEST_PANEL = 4.0;
 
 /* A panel whose error is this part of the one allowed is followed by one twice as long: twelve nodes then

@@ -254,8 +254,8 @@ static void add_times_of_decay(struct dense_output *w, struct oscillator_rates r
     }
 }
 
-/* Smallest length of a collocated segment [radians of the oscillator]. Over a shorter one a single Taylor
- * step is exact, and oscillator_particular loses digits. */
+/* This is the smallest length of a collocated segment [radians of the oscillator]. Over a shorter one a
+ * single Taylor step is exact, and oscillator_particular loses digits. */
 static const double COLLOCATED_SHORTEST = 3.0;
 
 /* The oscillation and the tangential motion are treated apart where the oscillator's rate is at least this
@@ -306,8 +306,8 @@ static void collocated_sample(struct segment *p)
     }
 }
 
-/* Longest averaged step [radians of the tangential motion]: twelve nodes have full accuracy over it, with
- * about 15 sweeps. */
+/* This is the longest averaged step [radians of the tangential motion]: twelve nodes have full accuracy over
+ * it, with about 15 sweeps. */
 static const double LONG_STEP = 2.5;
 
 /* An averaged or an overdamped step is tried with at most so many lengths. */
@@ -491,8 +491,8 @@ static bool averaged_make(struct segment *p)
     return false;
 }
 
-/* Length of an overdamped segment [radians of the tangential motion]. The segment must be accurate between
- * its ends too, because an event may end it anywhere. */
+/* This is the length of an overdamped segment [radians of the tangential motion]. The segment must be
+ * accurate between its ends too, because an event may end it anywhere. */
 static const double OVERDAMPED_STEP = 1.0;
 
 /* Largest growth of d in an overdamped segment that begins near the centre: n' is proportional to 1 / d^2. */
@@ -544,7 +544,7 @@ static bool overdamped_make(struct segment *p)
 /* The number of roundings in the bounds of scene/evaluate.h. */
 static const double BOUND_ROUNDINGS = 8.0;
 
-/* The number of roundings in a product n.w, without the rounding of n itself. */
+/* This is the number of roundings in a product n.w, without the rounding of n itself. */
 static const double RATE_ROUNDINGS = 2.0;
 
 /* An error of a peak is not reported where it is below NEGLIGIBLE times the load or the peak: the forces of

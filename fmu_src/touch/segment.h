@@ -1,8 +1,7 @@
 /*
- * A segment: smooth motion of one contact pair within one regime. Its users make it, advance the bodies
- * along it and stop at its terminal event. The kind of segment is known in this folder only: each kind
- * solves one form of the problem and answers `make`, `sample`, `advance` and `moments` (the table in
- * segment.c).
+ * A segment is the smooth motion of one contact pair within one regime. Its users make it, advance the bodies
+ * along it and stop at its terminal event. The kind of segment is known in this folder only: each kind solves
+ * one form of the problem and answers `make`, `sample`, `advance` and `moments` (the table in segment.c).
  */
 #ifndef CONTACT_TOUCH_SEGMENT_H
 #define CONTACT_TOUCH_SEGMENT_H
@@ -24,8 +23,8 @@ enum segment_kind {
     SEGMENT_HERTZ_ELASTIC
 };
 
-/* A contact pair by power series (series.c). Body 1 stands for the deviation of the separation from its
- * flight. */
+/* This struct describes a contact pair by power series (series.c). Body 1 stands for the deviation of the
+ * separation from its flight. */
 struct pair_series {
     struct expansion terms; /* comes first: a series of a pair has the time of its expansion */
     const struct contact_pair *from;
@@ -36,7 +35,7 @@ struct pair_series {
     double mismatch[EXPANSION_FLOWN];
 };
 
-/* An undamped head-on impact under Hertz's law (hertz.c). */
+/* This struct describes an undamped head-on impact under Hertz's law (hertz.c). */
 struct hertz_elastic {
     const struct contact_pair *from;
     double load;     /* L [m/s^2] */
@@ -128,22 +127,22 @@ void segment_advance(struct segment *p, double from, double s, struct scene_stat
 enum { CLOSED_FORM_WORK = 1, SERIES_WORK = 10, COLLOCATED_WORK = 40 };
 
 /*
- * The kinds of series.c and hertz.c. `make` makes it over p->longest or less, and adds to p->work; it returns
- * false where the problem is not of the form that the kind solves, or where the segment would not be accurate
- * to p->tolerance. `time` sets the time since the start [s] and its derivative by s.
+ * These are the kinds of series.c and hertz.c. `make` makes it over p->longest or less, and adds to p->work;
+ * it returns false where the problem is not of the form that the kind solves, or where the segment would not
+ * be accurate to p->tolerance. `time` sets the time since the start [s] and its derivative by s.
  */
 
-/* The kind for any contact. `make` returns false where p->may_be_quasi_static and the first coefficients
- * confirm it. From rest at the touch under Hertz's law it sets p->longest to the time for which the force is
- * negligible beside the load. Under Hertz's law it finds p->parting. */
+/* This is the kind for any contact. `make` returns false where p->may_be_quasi_static and the first
+ * coefficients confirm it. From rest at the touch under Hertz's law it sets p->longest to the time for which
+ * the force is negligible beside the load. Under Hertz's law it finds p->parting. */
 bool series_make(struct segment *p);
 void series_sample(const void *pair_series, double s, struct pair_sample *sample);
 struct pair_change series_advance(const void *pair_series, double s);
 void series_moments(const void *pair_series, double s, const struct pair_change *change, int count,
                     struct vec3 *moment);
 
-/* The kind for head-on motion under Hertz's law without damping: a segment lasts up to the release, and
- * `make` sets p->parting. */
+/* This is the kind for head-on motion under Hertz's law without damping: a segment lasts up to the release,
+ * and `make` sets p->parting. */
 bool hertz_elastic_make(struct segment *p);
 void hertz_elastic_sample(const void *hertz_elastic, double s, struct pair_sample *sample);
 struct pair_change hertz_elastic_advance(const void *hertz_elastic, double s);

@@ -194,13 +194,13 @@ WORDS = {"scene": "model"} | dict.fromkeys(("phase", "set_up", "start_time", "st
 @pytest.mark.parametrize(("field", "value"), [(field, one) for field in HEADERS for one in HEADERS[field]])
 def test_a_state_with_another_header_is_refused(saved, field, value):
     instance, blob = saved
-    assert header(blob)["version"] == 9
+    assert header(blob)["version"] == 10
     refused(instance, forge(blob, **{field: value}), WORDS.get(field, field))
 
 
 def test_a_state_of_another_version_says_both_versions(saved):
     instance, blob = saved
-    refused(instance, forge(blob, version=77), "version 77", "expected 9")
+    refused(instance, forge(blob, version=77), "version 77", "expected 10")
 
 
 def test_a_state_of_another_fmu_is_refused():
