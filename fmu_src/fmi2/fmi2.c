@@ -116,6 +116,8 @@ CALL2(ExitInitializationMode, ANY, PHASE_INITIALIZATION, (fmi2Component c),
 /* This part gets and sets values. Enumerations are of type fmi2Integer too. There are no string variables, so
  * that fmi2GetString refuses every reference. */
 
+/* Defines the getter and the setter of the standard for one type of its own. Both serve the variables of the
+ * `types`, bits 1 << enum variable_type; the setter may be called in the phases `phases_to_set`. */
 #define VALUES2(Type, types, phases_to_set)                                                                  \
     CALL2(Get##Type, ANY, PHASES_READ(PHASES_ALL),                                                           \
           (fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2##Type value[]),                  \

@@ -173,6 +173,8 @@ CALL3(ExitInitializationMode, ANY, PHASE_INITIALIZATION, (fmi3Instance c),
 
 /* This part gets and sets values. A vector is read and written as a whole. */
 
+/* Defines the getter and the setter of the standard for one type of its own. Both serve the variables of the
+ * `types`, bits 1 << enum variable_type; the setter may be called in the phases `phases_to_set`. */
 #define VALUES3(Type, types, phases_to_set)                                                                  \
     CALL3(Get##Type, ANY, PHASES_WITHIN(PHASES_ALL),                                                         \
           (fmi3Instance c, const fmi3ValueReference vr[], size_t nvr, fmi3##Type values[], size_t count),    \

@@ -169,8 +169,8 @@ static enum model_status check_start(struct model *m)
     return MODEL_OK;
 }
 
-/* This is the largest r_s divided by r_d without conformity. The effective radius r_s r_d / (r_d - r_s) is
- * here already ten times r_s. */
+/* A source within its destination conforms to it where r_s / r_d exceeds this number. The effective radius
+ * r_s r_d / (r_d - r_s) is then more than nine times r_d. */
 static const double CONFORMING = 0.9;
 
 /* Warns of conforming surfaces. Hertz's theory assumes a contact area that is small compared with the

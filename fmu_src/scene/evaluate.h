@@ -1,6 +1,6 @@
 /*
  * This file has the scene's bodies and contacts at one instant: positions, geometry, forces and accelerations
- * in the world frame, in SI units. Newton's law for each free body: m a = m gravity + external force +
+ * in the world frame, in SI units. Each free body follows Newton's law: m a = m gravity + external force +
  * contact forces.
  */
 #ifndef CONTACT_SCENE_EVALUATE_H
@@ -319,8 +319,9 @@ CONTACT_COLD struct contact_law onset_law_slope(const struct scene_instant *at, 
 enum contact_regime onset_note(struct scene_state *q, const struct scene_instant *at, int contact,
                                enum contact_regime next);
 
-/* The energies of the scene follow [J]. The sum kinetic + potential + contact + dissipated - external work
- * stays constant. Where something turns or rubs, rotational + tangential + friction are added to this sum. */
+/* The functions below give the energies of the scene [J]. The sum kinetic + potential + contact +
+ * dissipated - external work stays constant. Where something turns or rubs, rotational + tangential +
+ * friction are added to this sum. */
 
 /* `stored` is the energy of the normal forces, `tangential` that of the springs of friction. */
 struct scene_energies {

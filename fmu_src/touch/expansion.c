@@ -7,8 +7,8 @@
 #include "math/compiler.h"
 #include "math/nodes.h"
 
-/* Properties of the series as constants of its code. One contact then costs a fifth less, and contacts along
- * one axis under Hertz's law a tenth. */
+/* These properties of the series are constants of its code. One contact then costs a fifth less, and contacts
+ * along one axis under Hertz's law a tenth. */
 struct expansion_kind {
     int axes;
     bool is_paced, is_alone; /* alone: one contact in the frame of a pair, which pushes body 1 only */

@@ -127,9 +127,10 @@ void segment_advance(struct segment *p, double from, double s, struct scene_stat
 enum { CLOSED_FORM_WORK = 1, SERIES_WORK = 10, COLLOCATED_WORK = 40 };
 
 /*
- * These are the kinds of series.c and hertz.c. `make` makes it over p->longest or less, and adds to p->work;
- * it returns false where the problem is not of the form that the kind solves, or where the segment would not
- * be accurate to p->tolerance. `time` sets the time since the start [s] and its derivative by s.
+ * The functions below belong to the kinds of segment in series.c and hertz.c. `make` makes a segment over
+ * p->longest or less, and adds to p->work; it returns false where the problem is not of the form that the
+ * kind solves, or where the segment would not be accurate to p->tolerance. `time` sets the time since the
+ * start [s] and its derivative by s.
  */
 
 /* This is the kind for any contact. `make` returns false where p->may_be_quasi_static and the first

@@ -23,9 +23,7 @@ MASSES = {  # source, destination, effective mass
 @pytest.mark.parametrize("zeta, motions", [
     (0.0, "source free"),
     (0.05, "destination free"),
-    (0.4, "both free"),
-    (0.9, "both free"),
-    (1.5, "source free"),
+    (0.4, "both free"), (0.9, "both free"), (1.5, "source free"),
 ])  # fmt: skip
 @pytest.mark.parametrize("shape, location", GEOMETRIES)
 def test_restitution_duration_and_peaks_are_the_damped_oscillators(

@@ -56,8 +56,7 @@ TEST(a_polynomial_is_evaluated_with_its_derivatives)
 {
     struct random r = {1};
     for (int n = 0; n < 500; ++n) {
-        double a[MOST];
-        double out[4];
+        double a[MOST], out[4];
         random_polynomial(&r, a);
         const double s = random_between(&r, 0.0, 2.0);
         nodal_derivatives(a, s, out);
@@ -76,9 +75,7 @@ TEST(values_and_coefficients_are_two_forms_of_one_polynomial)
 {
     struct random r = {2};
     for (int n = 0; n < 500; ++n) {
-        double a[MOST];
-        double values[MOST];
-        double back[MOST];
+        double a[MOST], values[MOST], back[MOST];
         random_polynomial(&r, a);
         nodal_values_of(a, values);
         nodal_coefficients(values, back);
@@ -91,8 +88,7 @@ TEST(values_and_coefficients_are_two_forms_of_one_polynomial)
 
 TEST(a_large_constant_costs_a_small_change_no_digits)
 {
-    double values[MOST];
-    double a[MOST];
+    double values[MOST], a[MOST];
     for (int i = 0; i < MOST; ++i) {
         values[i] = 1e6 + (i == 2 ? 0x1p-20 : 0.0);
     }
@@ -109,9 +105,7 @@ TEST(rates_at_the_nodes_are_integrated)
 {
     struct random r = {3};
     for (int n = 0; n < 500; ++n) {
-        double a[MOST];
-        double rate[MOST];
-        double sum[MOST];
+        double a[MOST], rate[MOST], sum[MOST];
         const double s = n % 10 == 0 ? 2.0 : random_between(&r, 0.0, 2.0);
         long double change = 0.0L;
         random_polynomial(&r, a);

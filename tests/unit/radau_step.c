@@ -265,8 +265,7 @@ TEST(given_rates_are_integrated_exactly_and_a_guess_tells_its_rates)
 {
     double length = 0.7;
     struct radau_step p;
-    double y[TIPPING_STATES];
-    double rates[RADAU_MOST_STAGES];
+    double y[TIPPING_STATES], rates[RADAU_MOST_STAGES];
     void *memory = begin_tipping(&p, &length);
     radau_step_guess_on(&p, &radau_stages_12, length);
     for (int round = 0; round < 2; ++round) {

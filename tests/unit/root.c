@@ -58,16 +58,17 @@ static struct curve random_curve(struct random *r, double root)
     return (struct curve){root, random_sign(r), random_power(r, -3.0, 9.0), 2 + random_index(r, 15)};
 }
 
+static root_function *const FUNCTIONS[] = {line, arctangent, square_root, without_slope};
+
 TEST(the_root_is_found_to_rounding_whatever_the_slope)
 {
-    root_function *const functions[] = {line, arctangent, square_root, without_slope};
     struct random r = {51};
     for (int i = 0; i < 20000; ++i) {
         const double low = random_index(&r, 2) == 0 ? 0.0 : random_between(&r, 0.0, 0.3);
         const double high = random_between(&r, 0.6, 1.0);
         const struct curve curve = random_curve(&r, random_between(&r, low, high));
         if (curve.root > low) {
-            const double got = root_in_bracket(functions[i % 4], &curve, low, high);
+            const double got = root_in_bracket(FUNCTIONS[i % 4], &curve, low, high);
             CHECK_CLOSE("root", got, curve.root, 2.0 * DBL_EPSILON * curve.root);
         }
     }
@@ -86,11 +87,10 @@ TEST(powers_are_solved_to_the_rounding_of_their_value)
 
 TEST(tiny_roots_keep_their_relative_accuracy)
 {
-    root_function *const functions[] = {line, arctangent, square_root, without_slope};
     struct random r = {53};
     for (int i = 0; i < 2000; ++i) {
         const struct curve curve = random_curve(&r, random_power(&r, -290.0, -3.0));
-        const double got = root_in_bracket(functions[i % 4], &curve, 0.0, 1.0);
+        const double got = root_in_bracket(FUNCTIONS[i % 4], &curve, 0.0, 1.0);
         CHECK_CLOSE("root / its value", got / curve.root, 1.0, 4.0 * DBL_EPSILON);
     }
     /* The power of a root near the smallest double. */
@@ -111,10 +111,13 @@ TEST(the_root_lies_inside_even_the_smallest_bracket)
     }
 }
 
+static int evaluations; /* of the parabola */
+
 /* (s - place)^2 - depth */
 static void parabola(const void *data, double s, double *value, double *slope)
 {
     const struct root_place *lowest = data;
+    evaluations += 1;
     *value = (s - lowest->s) * (s - lowest->s) + lowest->value;
     *slope = 2.0 * (s - lowest->s);
 }
@@ -125,6 +128,27 @@ static struct root_place on_parabola(const struct root_place *lowest, double s)
     double slope;
     parabola(lowest, s, &value, &slope);
     return (struct root_place){s, value};
+}
+
+/* A body that leaves a surface by rounding falls back onto it at the end of the bracket, or far before it. */
+TEST(a_fall_back_is_found_in_few_evaluations)
+{
+    struct random r = {56};
+    for (int i = 0; i < 2000; ++i) {
+        const double middle = random_power(&r, -3.0, 0.0);
+        const struct root_place lowest = {middle, -middle * middle * (1.0 + 1e-15)};
+        const bool at_end = i % 2 == 0;
+        const double factor = at_end ? 1.0 + 1e-14 : random_power(&r, 0.0, 3.0);
+        struct root_bracket_end low = {.s = 0.0};
+        struct root_bracket_end high = {.s = 2.0 * middle * factor};
+        parabola(&lowest, low.s, &low.value, &low.slope);
+        parabola(&lowest, high.s, &high.value, &high.slope);
+        evaluations = 0;
+        const double root = at_end ? root_in_bracket(parabola, &lowest, low.s, high.s)
+                                   : root_between(parabola, &lowest, low, high);
+        CHECK_CLOSE("root", root, 2.0 * middle, 1e-14 * middle);
+        CHECK(evaluations <= (at_end ? 12 : 4));
+    }
 }
 
 /* Three places about a dip, positive at each: it is found if the parabola goes below zero. */

@@ -74,8 +74,7 @@ TEST(a_shifted_path_is_the_same_path)
 {
     struct random r = {61};
     for (int i = 0; i < 20000; ++i) {
-        struct vec3 path[4];
-        struct vec3 shifted[4];
+        struct vec3 path[4], shifted[4];
         const int count = 1 + random_index(&r, 4);
         for (int k = 0; k < 4; ++k) {
             path[k] = random_vector(&r, 1.0);

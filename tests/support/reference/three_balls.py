@@ -80,20 +80,12 @@ BRIEF = {
     "glancing": Case([[0, 0, 0], [1.088, -0.306, 0.0227], [1.4172, -0.3126, 0.0457]],
         [[0, 0, 0], [25, -0.4, -30], [0.4, -0.5, -1.8]], [0.035, 11.0, 1.2], radii=(0.9, 0.23, 0.1),
         laws=("hertz", "hertz"), stiffness=(1.4e6, 2.8e7), end=0.165),
-    "struck in passing": Case(  # a step of the soft pair is longer than the third ball's whole way
-        [[0, 0, 0], [0.28, 0, 0], [5.28, 0.15, 0]],
-        [[0, 0, 0], [0, 0, 0], [-50, 0, 0]],
-        [1.0, 1.0, 2.0],
-        radii=(0.2, 0.1, 0.1),
-        stiffness=(30.0, 1e6),
-        end=0.3,
-    ),
-    "missed by a hair": Case(
-        [[0, 0, 0], [0.28, 0, 0], [5.28, 0.2001, 0]],
-        [[0, 0, 0], [0, 0, 0], [-50, 0, 0]],
-        [1.0, 1.0, 2.0],
-        radii=(0.2, 0.1, 0.1),
-        stiffness=(30.0, 1e6),
-        end=0.104,  # before it would strike the other one
-    ),
+    # a step of the soft pair is longer than the third ball's whole way
+    "struck in passing": Case([[0, 0, 0], [0.28, 0, 0], [5.28, 0.15, 0]],
+        [[0, 0, 0], [0, 0, 0], [-50, 0, 0]], [1.0, 1.0, 2.0], radii=(0.2, 0.1, 0.1),
+        stiffness=(30.0, 1e6), end=0.3),
+    # it ends before it would strike the other one
+    "missed by a hair": Case([[0, 0, 0], [0.28, 0, 0], [5.28, 0.2001, 0]],
+        [[0, 0, 0], [0, 0, 0], [-50, 0, 0]], [1.0, 1.0, 2.0], radii=(0.2, 0.1, 0.1),
+        stiffness=(30.0, 1e6), end=0.104),
 }  # fmt: skip
