@@ -588,7 +588,6 @@ static bool note_now(struct scene_state *q, struct scene_instant *at)
 bool transition_begin_step(struct scene_state *q, struct scene_instant *at)
 {
     q->step_length = 0.0;
-    q->deferrable_clock = -fabs(q->deferrable_clock);
     transition_mark_step(q);
     return note_now(q, at);
 }
