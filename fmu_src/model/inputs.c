@@ -257,18 +257,21 @@ static bool motion_tune(const struct scene_values *v, const struct scene_values 
         return true;
     }
     double stored = 0.0;
-    if (SCENE_ANY_FREE) {
+    bool stopped[SCENE_CONTACTS * OPPOSED];
+    const bool remembers = motion_remembers_force(q);
+    if (remembers) {
         struct scene_instant at;
         scene_now(q, &at);
         stored = energy_stored(&at);
+        transition_stop_sliding(q, &at, stopped);
         q->external_work += energy_potential(&at, more_gravity);
         scene_rebase(q);
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         take_factors(&q->contact[j], factors[j]);
     }
-    if (SCENE_ANY_FREE) {
-        transition_take_law(q, law_changed, stored);
+    if (remembers) {
+        transition_take_law(q, law_changed, stored, stopped);
     }
     struct scene_instant after;
     scene_now(q, &after);

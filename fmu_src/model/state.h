@@ -139,6 +139,9 @@ void motion_close(struct integrator *integrator);
 /* Begins the motion of bodies that are where they start: it settles the regimes of the contacts. */
 void motion_begin(struct scene_state *q);
 
+/* Whether the forces of the present change the state: bodies may be free, or friction has springs. */
+bool motion_remembers_force(const struct scene_state *q);
+
 /* Changes the paths of the inputs and books the work that the change does. Returns false, and changes
  * nothing, where that work is not finite. `jumps`: the model itself integrates, so that the friction springs
  * of contacts without a free body are laid onto the new tangent planes. */

@@ -349,6 +349,15 @@ static void take_regime_of_law(struct scene_state *q, int contact, enum contact_
     }
 }
 
+/* Puts the spring of a sliding motion at the length that carries the present friction force, and lets it
+ * stick. */
+static void stick(const struct rubbed *r, const struct scene_instant *at)
+{
+    *r->spring = friction_spring(&r->law, (enum friction_regime) * r->regime,
+                                 turning_rubbing(at, r->contact, r->part));
+    *r->regime = (int32_t)FRICTION_STICKING;
+}
+
 void turning_take_event(struct scene_state *q, int contact, enum ode_event event)
 {
     const struct rubbed r = rubbed_of(q, contact, ode_event_part(event));
@@ -359,8 +368,7 @@ void turning_take_event(struct scene_state *q, int contact, enum ode_event event
     } else if (sticks) {
         struct scene_instant at;
         scene_now(q, &at);
-        *r.spring = friction_spring(&r.law, regime, turning_rubbing(&at, contact, r.part));
-        *r.regime = (int32_t)FRICTION_STICKING;
+        stick(&r, &at);
     } else if (event == ODE_EVENT_CAP) {
         *r.regime = (int32_t)(regime == FRICTION_CAPPED ? FRICTION_SLIDING : FRICTION_CAPPED);
     } else {
@@ -447,27 +455,64 @@ static enum contact_regime pass_zone(struct scene_state *q, struct scene_instant
     return jumps ? scene_regime(at, contact, true) : (enum contact_regime)state->regime;
 }
 
-/* Lets contacts with elastic friction without a dashpot stick where the limit of friction now grows faster
- * than the slip stretches the spring. The cause is that gravity or the force of another contact on one of the
- * bodies has jumped, and with it the rate of F_n. After jumps of other inputs transition_settle_regimes lets
- * contacts stick. */
-static void hold_springs(struct scene_state *q)
+/* Whether an opposed motion slides with a spring of which the state holds only the direction. */
+static bool slides_without_dashpot(const struct rubbed *r)
+{
+    const enum friction_regime regime = (enum friction_regime) * r->regime;
+    return contact_has_spring(r->q->v, r->contact, r->part) && contact_transmits(r->q, r->contact) &&
+           !friction_compares_forces(&r->law, regime) && friction_has_spring(&r->law, regime);
+}
+
+void transition_stop_sliding(struct scene_state *q, const struct scene_instant *at, bool *stopped)
 {
     for (int k = 0; SCENE_ANY_SPRINGS && k < SCENE_CONTACTS * OPPOSED; ++k) {
-        if (!contact_has_spring(q->v, k / OPPOSED, k % OPPOSED) || !contact_transmits(q, k / OPPOSED)) {
-            continue;
-        }
         const struct rubbed r = rubbed_of(q, k / OPPOSED, k % OPPOSED);
-        const enum friction_regime regime = (enum friction_regime) * r.regime;
-        if (!friction_compares_forces(&r.law, regime) && friction_has_spring(&r.law, regime)) {
+        stopped[k] = slides_without_dashpot(&r) && at->normal_force[r.contact] > 0.0;
+        if (stopped[k]) {
+            stick(&r, at);
+        }
+    }
+}
+
+/* Two limits of friction that differ by no more than this fraction are equal: their normal forces differ by
+ * rounding. */
+static const double SAME_LIMIT = 64.0 * DBL_EPSILON;
+
+/* Lets a motion slide on that transition_stop_sliding has stopped, unless its limit has grown. */
+static void slide_on(const struct rubbed *r)
+{
+    struct scene_instant at;
+    scene_now(r->q, &at);
+    const struct friction_state rubbing = turning_rubbing(&at, r->contact, r->part);
+    const double force = friction_stiffness(&r->law, rubbing.depth) * vec3_norm(rubbing.spring);
+    const double limit =
+        friction_limit(&r->law, friction_sliding_regime(&r->law, rubbing.normal_force), rubbing.normal_force);
+    if (!(force < (1.0 - SAME_LIMIT) * limit)) {
+        slide(r, true);
+    }
+}
+
+/*
+ * Lets contacts with elastic friction without a dashpot stick where the limit of friction now grows faster
+ * than the slip stretches the spring, and lets springs slide on that transition_stop_sliding has `stopped`,
+ * if any. The cause is that gravity or the force of another contact on one of the bodies has jumped, and with
+ * it the rate of F_n, or that F_n itself has jumped.
+ */
+static void hold_springs(struct scene_state *q, const bool *stopped)
+{
+    for (int k = 0; SCENE_ANY_SPRINGS && k < SCENE_CONTACTS * OPPOSED; ++k) {
+        const struct rubbed r = rubbed_of(q, k / OPPOSED, k % OPPOSED);
+        if (stopped && stopped[k] && *r.regime == (int32_t)FRICTION_STICKING) {
+            slide_on(&r);
+        }
+        if (slides_without_dashpot(&r)) {
             struct scene_instant at;
             scene_now(q, &at);
             const struct friction_state rubbing = turning_rubbing(&at, r.contact, r.part);
             const double rate = turning_normal_force_rate(&at, r.contact);
-            if (friction_stick_event(&r.law, regime, rubbing, rate) <
+            if (friction_stick_event(&r.law, (enum friction_regime) * r.regime, rubbing, rate) <
                 -tolerated_motion(&at, r.contact, r.part)) {
-                *r.spring = friction_spring(&r.law, regime, rubbing);
-                *r.regime = (int32_t)FRICTION_STICKING;
+                stick(&r, &at);
             }
         }
     }
@@ -491,7 +536,7 @@ static void change_regime(struct scene_state *q, int contact, enum contact_regim
     transition_set_regime(q, contact, onset_note(q, at, contact, regime));
     zones_follow(q, at, contact);
     if (SCENE_CONTACTS > 1) {
-        hold_springs(q);
+        hold_springs(q, NULL);
     }
     q->dissipated += before - energy_stored(at); /* what the stored energy loses by the change */
 }
@@ -505,7 +550,7 @@ void transition_take_event(struct scene_state *q, int contact, int event, enum c
     if (is_friction) {
         turning_take_event(q, contact, (enum ode_event)event);
         if (SCENE_CONTACTS > 1) {
-            hold_springs(q);
+            hold_springs(q, NULL);
         }
     }
     scene_kinematics_now(q, at);
@@ -517,9 +562,10 @@ void transition_take_event(struct scene_state *q, int contact, int event, enum c
     note_instant(q, at);
 }
 
-void transition_settle_regimes(struct scene_state *q, double stored_before, bool starting)
+void transition_settle_regimes(struct scene_state *q, double stored_before, const bool *stopped)
 {
     struct scene_instant at;
+    const bool starting = stopped == NULL;
     scene_now(q, &at);
     for (int j = 0; SCENE_ANY_ZONES && j < SCENE_CONTACTS; ++j) {
         if (zones_margin(&at, j) < -rounding_of_gap(&at, j)) { /* the source faces another zone */
@@ -534,6 +580,7 @@ void transition_settle_regimes(struct scene_state *q, double stored_before, bool
         }
     }
     if (!starting) {
+        hold_springs(q, stopped);
         q->external_work += energy_stored(&at) - stored_before;
     }
     q->last_flight = 0.0;
@@ -541,7 +588,8 @@ void transition_settle_regimes(struct scene_state *q, double stored_before, bool
     begin_phase(q, &at);
 }
 
-void transition_take_law(struct scene_state *q, const bool *changed, double stored_before)
+void transition_take_law(struct scene_state *q, const bool *changed, double stored_before,
+                         const bool *stopped)
 {
     struct scene_instant at;
     scene_now(q, &at);
@@ -550,7 +598,7 @@ void transition_take_law(struct scene_state *q, const bool *changed, double stor
             transition_set_regime(q, j, scene_regime(&at, j, true));
         }
     }
-    hold_springs(q);
+    hold_springs(q, stopped);
     q->external_work += energy_stored(&at) - stored_before;
     begin_phase(q, &at);
 }

@@ -38,18 +38,28 @@ void transition_take_event(struct scene_state *q, int contact, int event, enum c
                            struct scene_instant *at);
 
 /*
- * Sets the regimes by the geometry of the present, at the start and after inputs have jumped. `stored_before`
- * [J] is the energy stored before the jump; the difference counts as external work of whatever moved the
- * prescribed body. A gap smaller than its rounding bound leaves the regime as it is, unless `starting`.
+ * Before inputs or parameters make F_n jump: a motion that slides without a dashpot sticks, with the spring that
+ * carries the friction force of the instant `at`, because a limit of friction that jumps stretches no spring. Sets
+ * `stopped` for each opposed motion of each contact. What follows the jump lets those slide on whose limit has not
+ * grown.
  */
-void transition_settle_regimes(struct scene_state *q, double stored_before, bool starting);
+void transition_stop_sliding(struct scene_state *q, const struct scene_instant *at, bool *stopped);
+
+/*
+ * Sets the regimes by the geometry of the present, at the start, where `stopped` is NULL, or after inputs have
+ * jumped. `stored_before` [J] is the energy stored before the jump; the difference counts as external work of
+ * whatever moved the prescribed body. After a jump, a gap smaller than its rounding bound leaves the regime as
+ * it is.
+ */
+void transition_settle_regimes(struct scene_state *q, double stored_before, const bool *stopped);
 
 /*
  * Sets the regimes of the contacts whose law has `changed`, and begins a phase. Contacts that touch go on
  * touching. `stored_before` [J] is the energy that all contacts stored before; the difference counts as
  * external work.
  */
-void transition_take_law(struct scene_state *q, const bool *changed, double stored_before);
+void transition_take_law(struct scene_state *q, const bool *changed, double stored_before,
+                         const bool *stopped);
 
 /* Begin and end a communication step, over which peaks and mean force are taken. Where the begin needs the
  * present instant, it sets `at` and returns true. transition_mark_step lets means and peaks begin anew, and

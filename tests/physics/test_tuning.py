@@ -255,3 +255,36 @@ def test_a_force_element_has_the_new_force_at_once(opened):
     check_close("force", fmu["contact.normal_force"], 20.0, 1e-11)
     fmu.step(1e-3)
     check_close("mean force", fmu["contact.mean_force"], [20.0, 0.0, 0.0], 1e-11)
+
+
+# Beside a cylinder, or on a plane, 1 mm deep: 10 N press, and 5 N of friction resist a pull of 1 m/s.
+PULLED = {"contact.friction": "elastic", "contact.penalty_factor": 1e4, "contact.friction_coefficient": 0.5}
+PULLED |= {"contact.static_friction_coefficient": 0.6, "contact.tangential_stiffness": 1.1e3}
+PULLED |= {"contact.tangential_damping": 0.0}
+ON_PLANE = {"source.center": [0.0, 0.0, 0.099], "source.prescribed_velocity": [1.0, 0.0, 0.0]}
+ON_PLANE |= {"source.motion": "prescribed", "destination.motion": "prescribed"}
+BESIDE = {"source.prescribed_velocity": [0.0, 0.0, 1.0], "source.prescribed_angular_velocity": [0.0] * 3}
+PULLS = {"SpherePlane": (ON_PLANE, [0.0, 0.0, -1e-3]), "TurningForceElement": (BESIDE, [-1e-3, 0.0, 0.0])}
+
+
+@pytest.mark.parametrize("name", PULLS)
+@pytest.mark.parametrize("jump, force", [("softer", 5), ("stiffer", 20), ("pressed", 20), ("none", 10)])
+def test_a_jump_of_the_normal_force_stretches_no_friction_spring(opened, name, jump, force):
+    values, deeper = PULLS[name]
+    jumps = {"softer": {"contact.penalty_factor": 5e3}, "stiffer": {"contact.penalty_factor": 2e4}}
+    jumps |= {"pressed": {"source.prescribed_displacement": deeper}, "none": {"gravity": [1.0, 0.0, 0.0]}}
+    fmu = start(opened(name), {**values, **PULLED})
+    fmu.step(0.01)
+    for variable, value in jumps[jump].items():
+        if variable in fmu.variables:
+            fmu[variable] = value
+    for k in range(12):
+        carried = 5.0 + 1.1 * k  # N: the spring goes on from its length, until it breaks away
+        sliding = 0.5 * force if force <= 10.0 or carried >= 0.6 * force else carried
+        check_close("friction", np.linalg.norm(fmu["contact.friction_force"]), sliding, 1e-9)
+        fmu.step(1e-3)
+    breaks = (5.0, 0.5 * force, 12.0) if force <= 10.0 else (12.0, 10.0, 12.0 - 7.0 / 1.1)
+    phases = [(6.0, 5.0, 10.0 - 6.0 / 1.1), breaks]  # N, N, ms: the force before and while it slides so long
+    lost = sum(0.5 * (f**2 - g**2) / 1.1e3 + 1e-3 * g * lasts for f, g, lasts in phases)
+    if name == "SpherePlane":
+        check_close("friction", fmu["energy.friction"], lost, 1e-11)
