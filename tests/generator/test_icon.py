@@ -14,10 +14,15 @@ from support.generator.generated import FOLDER, folder_of, run, scene_file
 SOURCE, DESTINATION, FORCE = (243, 217, 184), (216, 226, 236), (187, 0, 0)
 
 
-def icon(scene: Path, folder: Path) -> np.ndarray:
-    done = run("--scene", scene, "--output", folder / "out", "--icon", folder / "model.png")
+def written(name: str, changes: dict, folder: Path) -> Path:
+    """Generates `folder`/out and model.png of a scene in which regular expressions are replaced."""
+    text = (FOLDER / "scenes" / f"{name}.toml").read_text(encoding="utf-8")
+    for pattern, text_for in {f'"{name}"': '"Own"', **changes}.items():
+        text = re.sub(pattern, text_for, text, count=1)
+    (folder / "Own.toml").write_text(text, encoding="utf-8")
+    done = run("--scene", folder / "Own.toml", "--output", folder / "out", "--icon", folder / "model.png")
     assert done.returncode == 0, done.stderr
-    return pixels_of(folder)
+    return folder
 
 
 def pixels_of(folder: Path) -> np.ndarray:
@@ -43,11 +48,8 @@ def test_every_scene_has_an_icon_with_its_bodies_and_a_force(scene):
 
 def test_bodies_are_drawn_to_scale_and_above_each_other(tmp_path):
     """A ball of 0.2 m on a sphere of 0.5 m: the ball is above, the force goes away from the sphere"""
-    text = (FOLDER / "scenes" / "BallOnSphere.toml").read_text(encoding="utf-8")
-    text = re.sub(r'"source.center" = .*', '"source.center" = [0.0, 0.0, 0.7]\n"source.radius" = 0.2', text)
-    scene = tmp_path / "Own.toml"
-    scene.write_text(text.replace("BallOnSphere", "Own"), encoding="utf-8")
-    pixels = icon(scene, tmp_path)
+    larger = {'"source.center" = .*': '"source.center" = [0.0, 0.0, 0.7]\n"source.radius" = 0.2'}
+    pixels = pixels_of(written("BallOnSphere", larger, tmp_path))
     ball, sphere, force = (where(pixels, color) for color in (SOURCE, DESTINATION, FORCE))
     heights = [np.ptp(part[1]) for part in (ball, sphere)]
     assert heights[0] / heights[1] == pytest.approx(0.4, abs=0.04)  # without the outlines
@@ -58,12 +60,9 @@ def test_bodies_are_drawn_to_scale_and_above_each_other(tmp_path):
 
 @pytest.mark.parametrize("size", ["1e-150", "1e149"])
 def test_extreme_sizes_are_drawn(size, tmp_path):
-    text = (FOLDER / "scenes" / "SphereSphere.toml").read_text(encoding="utf-8")
-    text = text.replace("SphereSphere", "Own")
-    scene = tmp_path / "Own.toml"
     start = f'"source.radius" = {size}\n"destination.radius" = {size}\n"source.center" = [0.0, 3.0e0, {size}]'
-    scene.write_text(text.replace("[experiment]", f"[start]\n{start}\n[experiment]"), encoding="utf-8")
-    assert where(icon(scene, tmp_path), SOURCE).size > 10
+    extreme = written("SphereSphere", {r"\[experiment]": f"[start]\n{start}\n[experiment]"}, tmp_path)
+    assert where(pixels_of(extreme), SOURCE).size > 10
 
 
 # The next tests hold that terminalsAndIcons.xml is valid by the schema of FMI 3.0, and that each body has a
@@ -116,17 +115,11 @@ def test_inputs_and_motion_of_a_body_are_together():
 
 
 def test_a_body_in_two_contacts_has_its_forces_numbered(tmp_path):
-    text = (FOLDER / "scenes" / "BallOnSphere.toml").read_text(encoding="utf-8")
-    text = text.replace('"BallOnSphere"', '"Two"', 1).replace(
-        "[pinned]",
+    second = (
         '[[body]]\nname = "other"\nshape = "sphere"\n\n[[contact]]\nname = "second"\nsource = "source"\n'
-        'destination = "other"\n\n[pinned]\n"second.location" = "outside"',
-        1,
+        'destination = "other"\n\n[pinned]\n"second.location" = "outside"'
     )
-    scene = tmp_path / "Two.toml"
-    scene.write_text(text, encoding="utf-8")
-    done = run("--scene", scene, "--output", tmp_path / "out")
-    assert done.returncode == 0, done.stderr
+    written("BallOnSphere", {r"\[pinned]": second}, tmp_path)
     source = terminals(tmp_path / "out", "terminals3")[0]
     forces = {m.get("memberName"): m.get("variableName") for m in source if "force_" in m.get("memberName")}
     assert forces["force_1"] == "contact.source_force"
@@ -136,7 +129,7 @@ def test_a_body_in_two_contacts_has_its_forces_numbered(tmp_path):
 def test_the_svg_shows_the_bodies_where_the_png_does(scene):
     """The middle of a filled shape has its colour on the PNG, unless covered; a torus is two sections"""
     picture = etree.parse(folder_of(scene) / "icon.svg")
-    pixels = np.round(255 * matplotlib.image.imread(folder_of(scene) / "model.png")).astype(int)
+    pixels = pixels_of(folder_of(scene))
     space = "{http://www.w3.org/2000/svg}"
     filled = [one for one in picture.iter(f"{space}circle", f"{space}rect") if one.get("fill") != "none"]
     last = filled[-1]  # the source, which is above all
