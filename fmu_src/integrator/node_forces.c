@@ -462,7 +462,7 @@ CONTACT_NOT_FUSED CONTACT_FLATTEN static void respond_as_a_whole(struct iteratio
     struct vec3 by_normal[ROWS];
     const double by_law = contact_force(&laws->normal, laws->regime, g->gap, g->gap_rate);
     const double a = c->admittance[0];
-    struct friction_slopes friction = {.by_force = {{.x = a}, {.y = a}, {.z = a}}};
+    struct friction_slopes friction;
     const struct vec3 e = vec3_scale(c->side, g->normal);
     const double normal_force = -vec3_dot(node->load[0], e);
     struct vec3 tangential = vec3_axpy(node->load[0], normal_force, e);
@@ -474,6 +474,8 @@ CONTACT_NOT_FUSED CONTACT_FLATTEN static void respond_as_a_whole(struct iteratio
     if (SCENE_ANY_FRICTION && c->rubs) {
         missed = respond_opposed(it, stage, index, OPPOSED_SLIP, at, normal_force, &tangential,
                                  anew ? &friction : NULL);
+    } else if (anew) {
+        friction = (struct friction_slopes){.by_force = {{.x = a}, {.y = a}, {.z = a}}};
     }
     node->load[0] = vec3_axpy(tangential, -normal_force, e);
     vec3_to(vec3_axpy(missed, a * (by_law - normal_force), e), node->response);
@@ -511,8 +513,10 @@ CONTACT_NOT_FUSED CONTACT_FLATTEN static void respond_as_a_whole(struct iteratio
     }
 }
 
-/* Sets the motion of the contacts in touch, or of `all`, at a stage. */
-static struct scene_instant *move_to_stage(struct iteration *it, int stage, bool all)
+/* Sets the motion of the contacts in touch, or of `all`, at a stage. All that it calls becomes a part of
+ * it, because much of its work would be to hand structs on. */
+CONTACT_NOINLINE CONTACT_NOT_FUSED CONTACT_FLATTEN static struct scene_instant *
+move_to_stage(struct iteration *it, int stage, bool all)
 {
     struct general *g = it->g;
     radau_step_stage(&g->step, stage, g->step.point);
@@ -542,14 +546,14 @@ static void prepare_spring(struct iteration *it, int contact, int part)
     const int s = p->stages->stages;
     const double *integral = p->stages->integral;
     struct node_spring *to = &it->spring[contact][part];
-    double entries[RADAU_MOST_STAGES * SPRING_STRIDE] = {0.0};
-    double side[SPRING_STRIDE] = {0.0};
-    int pivot[RADAU_MOST_STAGES];
     to->is_there = it->g->ode.layout.spring[it->contact[contact].contact][part] >= 0;
     to->is_force = it->node[0][contact].drive[part].is_force;
     if (!to->is_there) {
         return;
     }
+    double entries[RADAU_MOST_STAGES * SPRING_STRIDE] = {0.0};
+    double side[SPRING_STRIDE] = {0.0};
+    int pivot[RADAU_MOST_STAGES];
     for (int k = 0; k < s * s; ++k) { /* I + h A decay */
         const int i = k % s;
         const int j = k / s;
@@ -607,7 +611,7 @@ static void put_turned_rows(struct iteration *it, int stage, int contact)
 }
 
 /* Evaluates the motion of all contacts at the stages, their responses, and the rates without contact. */
-static void evaluate_nodes(struct iteration *it, bool anew)
+CONTACT_NOT_FUSED CONTACT_FLATTEN static void evaluate_nodes(struct iteration *it, bool anew)
 {
     struct radau_step *p = &it->g->step;
     const int s = p->stages->stages;
@@ -620,7 +624,7 @@ static void evaluate_nodes(struct iteration *it, bool anew)
         for (int j = 0; j < it->contacts; ++j) {
             const struct node_contact *c = &it->contact[j];
             struct node *node = &it->node[i][j];
-            memset(node->more, 0, sizeof node->more);
+            memset(node->more, 0, it->has_springs ? sizeof node->more : 0);
             if (turns) {
                 node->arm[0] = at->turning.source_arm[c->contact];
                 node->arm[1] = at->turning.destination_arm[c->contact];
@@ -844,7 +848,7 @@ static inline void add_pending_motion(const struct iteration *it, int stage, int
 /* Adds the contact forces to the rates. The integrals of these rates will change the states, and what these
  * changes do is added to the responses. In the first iteration the guesses of states and of forces are
  * independent; later lever arms, the directions of forces and springs have changed. */
-CONTACT_FLATTEN static void add_pending(struct iteration *it)
+CONTACT_NOT_FUSED CONTACT_FLATTEN static void add_pending(struct iteration *it)
 {
     struct radau_step *p = &it->g->step;
     const int count = p->stages->stages * it->contacts;

@@ -73,9 +73,10 @@ static inline bool take_pivot(const struct lu_matrix *m, int k, int other)
     swap_elements(column, k, row);
     swap_elements(m->re + other * m->stride, k, row);
     const double pivot = column[k];
-    column[k] = 1.0 / pivot;
+    const double inverse = 1.0 / pivot;
+    column[k] = inverse;
     for (int i = k + 1; i < n; i += LANES) {
-        double2_put(column, i, double2_at(column, i) * column[k]);
+        double2_put(column, i, double2_at(column, i) * inverse);
     }
     return pivot != 0.0 && isfinite(pivot);
 }
@@ -93,8 +94,9 @@ CONTACT_NOINLINE CONTACT_FLATTEN bool lu_factor(struct lu_matrix m)
             break;
         }
         double *next = m.re + (k + 1) * m.stride;
-        for (int i = k + 1; i < n && next[k] != 0.0; i += LANES) {
-            double2_put(next, i, double2_at(next, i) - double2_at(next - m.stride, i) * next[k]);
+        const double by = next[k];
+        for (int i = by != 0.0 ? k + 1 : n; i < n; i += LANES) {
+            double2_put(next, i, double2_at(next, i) - double2_at(next - m.stride, i) * by);
         }
         if (!take_pivot(&m, k + 1, k)) {
             return false;
@@ -111,7 +113,8 @@ CONTACT_NOINLINE CONTACT_FLATTEN bool lu_factor(struct lu_matrix m)
                 swap_elements(to, k + 1, m.pivot[k + 1]);
             }
             to[k + 1] -= one[k + 1] * to[k];
-            for (int i = 0; i < runs.count && (to[k] != 0.0 || to[k + 1] != 0.0); ++i) {
+            const int count = to[k] != 0.0 || to[k + 1] != 0.0 ? runs.count : 0;
+            for (int i = 0; i < count; ++i) {
                 subtract_two(to, one, to[k], two, to[k + 1], runs.first[i], runs.end[i]);
             }
         }

@@ -205,16 +205,16 @@ CONTACT_NOT_FUSED CONTACT_FLATTEN static void turn_quaternion(struct radau_step 
     const struct quaternion start = quaternion_from(p->y + first);
     const struct quaternion back =
         quaternion_scale(p->length / quaternion_dot(start, start), quaternion_inverse(start));
-    double rates[RADAU_MOST_STAGES * 4], turned[RADAU_MOST_STAGES * 4];
+    double rates[RADAU_MOST_STAGES * 4], turned[4];
     struct quaternion e[RADAU_MOST_STAGES], left[RADAU_MOST_STAGES];
     struct vec3 d[RADAU_MOST_STAGES];
     for (int j = 0; j < s; ++j) {
         const struct quaternion rate = quaternion_from(p->rates + j * p->stride + first);
         quaternion_to(quaternion_product(rate, back), rates + 4 * j);
     }
-    radau_combine_rows(turned, 4, p->stages->integral, s, s, rates, 4, 4);
     for (int j = 0; j < s; ++j) {
-        const struct vec3 phi = vec3_scale(2.0, vec3_from(turned + 4 * j + 1));
+        combine_rows(turned, p->stages->integral + j * s, s, rates, 4, 4);
+        const struct vec3 phi = vec3_scale(2.0, vec3_from(turned + 1));
         e[j] = quaternion_of_rotation(phi);
         d[j] = turning_left(e[j], phi, vec3_from(rates + 4 * j + 1));
     }
@@ -392,11 +392,12 @@ void radau_step_pending(const struct radau_step *p, int first, int count, const 
     const int width = p->width;
     const int from = first / RADAU_ROW_BLOCK * RADAU_ROW_BLOCK;
     const int end = radau_padded(first + count - 1);
+    const double length = p->length;
+    const double *change = p->others_change;
     radau_combine_rows(pending + from, width, p->stages->integral, s, s, rates + from, width, end - from);
     for (int i = 0; i < s; ++i) {
         for (int k = i * width + from; k < i * width + end; k += LANES) {
-            double2_put(pending, k,
-                        double2_at(pending, k) * p->length - double2_at(p->others_change, k) * done);
+            double2_put(pending, k, double2_at(pending, k) * length - double2_at(change, k) * done);
         }
     }
 }
