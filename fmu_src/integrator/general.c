@@ -352,15 +352,15 @@ static const double SAFETY = 0.9;
 /* A step of three to six radians of the springs, here in length_of_springs, may span an impact. */
 static const double SPANS_IMPACT[2] = {0.8, 1.5};
 
-/* Returns the stages of a long step. Twelve follow an impact in one step, where eight take four steps and
- * 60 % more instructions. Elsewhere eight take fewer, because Newton's method limits the steps as much as
+/* Returns the stages of a long step. Twelve follow an impact of one contact in a step, where eight take four
+ * and 60 % more instructions. Elsewhere eight take fewer, because Newton's method limits the steps as much as
  * their error does: F2 to F4 of the report and the rollers take 20 to 40 % fewer so at 1e-9. In steps that
  * are read within, twelve would save F3 a quarter and cost F2 and the rollers 10 to 60 %. */
 static const struct radau_stages *stages_of_long_step(const struct general *g, double length)
 {
     const double radians = length / length_of_springs(g);
     const bool spans = radians >= SPANS_IMPACT[0] && radians <= SPANS_IMPACT[1];
-    return spans ? &radau_stages_12 : &radau_stages_8;
+    return spans && g->touching == 1 ? &radau_stages_12 : &radau_stages_8;
 }
 
 /* Returns how long an accurate step with these stages is, as a part of one with eight or twelve stages. */
@@ -503,6 +503,7 @@ static void note_contact(struct general *g, const struct scene_instant *at, int 
 static void note_errors(struct general *g)
 {
     double square[SCENE_BODIES] = {0.0};
+    g->touching = 0;
     memset(g->island, 0, (size_t)g->ode.layout.groups * sizeof *g->island);
     for (int i = 0; i < g->ode.layout.size; ++i) {
         g->per_impulse[i] = 0.0;
@@ -511,6 +512,7 @@ static void note_errors(struct general *g)
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (contact_transmits(g->state, j)) { /* bodies apart feel no rounding of their gap, however large */
             note_contact(g, &g->at_start, j, square);
+            g->touching += 1;
         }
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
@@ -1691,10 +1693,14 @@ void general_follow_kept(struct general *g, struct scene_state *q, double noted,
     }
 }
 
-/* Ends the advance by an event at the present. */
-static enum advance_result end_by_event(const struct general *g, struct scene_state *q, struct advance *step,
+/* Ends the advance by an event at the present. A step over a quiet motion spans many oscillations. A contact
+ * that begins, ends or changes its law excites them, and a step of twice the first length follows them. */
+static enum advance_result end_by_event(struct general *g, struct scene_state *q, struct advance *step,
                                         int event)
 {
+    if (event % ODE_EVENTS_EACH <= (int)ODE_EVENT_LAW) {
+        g->plan.longest = fmin(g->plan.longest, 2.0 * length_of_springs(g));
+    }
     const enum advance_result result = advance_to_event(step, q, event);
     if (step->regime == REGIME_APART) {
         projection_end_contact(q, step->contact, g->relative, g->absolute);

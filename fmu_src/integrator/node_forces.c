@@ -513,8 +513,7 @@ CONTACT_NOT_FUSED CONTACT_FLATTEN static void respond_as_a_whole(struct iteratio
     }
 }
 
-/* Sets the motion of the contacts in touch, or of `all`, at a stage. All that it calls becomes a part of
- * it, because much of its work would be to hand structs on. */
+/* Sets the motion of the contacts in touch, or of `all`, at a stage. */
 CONTACT_NOINLINE CONTACT_NOT_FUSED CONTACT_FLATTEN static struct scene_instant *
 move_to_stage(struct iteration *it, int stage, bool all)
 {

@@ -53,6 +53,7 @@ struct general {
     struct step_plan plan; /* a part of the state, so that a restored state continues bit for bit */
     struct general_rounding rounding[SCENE_CONTACTS];
     struct general_island island[ODE_MOST_GROUPS];
+    int touching;         /* number of contacts that transmit forces at the start of the step */
     double fastest_decay; /* at the start of the step, of motions that friction and dashpots oppose [1/s] */
     double error_of_rolling; /* error where rolling ends within the step, divided by the error allowed */
     double error_within;     /* largest error within the last step, divided by the error allowed */

@@ -393,11 +393,10 @@ void radau_step_pending(const struct radau_step *p, int first, int count, const 
     const int from = first / RADAU_ROW_BLOCK * RADAU_ROW_BLOCK;
     const int end = radau_padded(first + count - 1);
     const double length = p->length;
-    const double *change = p->others_change;
     radau_combine_rows(pending + from, width, p->stages->integral, s, s, rates + from, width, end - from);
     for (int i = 0; i < s; ++i) {
         for (int k = i * width + from; k < i * width + end; k += LANES) {
-            double2_put(pending, k, double2_at(pending, k) * length - double2_at(change, k) * done);
+            double2_put(pending, k, double2_at(pending, k) * length - double2_at(p->others_change, k) * done);
         }
     }
 }
