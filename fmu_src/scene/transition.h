@@ -38,18 +38,18 @@ void transition_take_event(struct scene_state *q, int contact, int event, enum c
                            struct scene_instant *at);
 
 /*
- * Before inputs or parameters make F_n jump: a motion that slides without a dashpot sticks, with the spring that
- * carries the friction force of the instant `at`, because a limit of friction that jumps stretches no spring. Sets
- * `stopped` for each opposed motion of each contact. What follows the jump lets those slide on whose limit has not
- * grown.
+ * Before inputs or parameters make F_n jump: a motion that slides without a dashpot sticks, with the spring
+ * that carries the friction force of the instant `at`, because a limit of friction that jumps stretches no
+ * spring. Sets `stopped` for each opposed motion of each contact. What follows the jump lets those slide on
+ * whose limit has not grown.
  */
 void transition_stop_sliding(struct scene_state *q, const struct scene_instant *at, bool *stopped);
 
 /*
- * Sets the regimes by the geometry of the present, at the start, where `stopped` is NULL, or after inputs have
- * jumped. `stored_before` [J] is the energy stored before the jump; the difference counts as external work of
- * whatever moved the prescribed body. After a jump, a gap smaller than its rounding bound leaves the regime as
- * it is.
+ * Sets the regimes by the geometry of the present, at the start, where `stopped` is NULL, or after inputs
+ * have jumped. `stored_before` [J] is the energy stored before the jump; the difference counts as external
+ * work of whatever moved the prescribed body. After a jump, a gap smaller than its rounding bound leaves the
+ * regime as it is.
  */
 void transition_settle_regimes(struct scene_state *q, double stored_before, const bool *stopped);
 
