@@ -69,7 +69,7 @@ static void begin_step(struct scene_state *q)
 void motion_begin(struct scene_state *q)
 {
     if (SCENE_ANY_FREE) {
-        transition_settle_regimes(q, 0.0, NULL);
+        transition_settle_regimes(q, 0.0, true);
     }
     begin_step(q);
 }
@@ -86,15 +86,6 @@ static void take_paths(struct scene_state *q, const struct body_path *next, bool
     }
 }
 
-bool motion_remembers_force(const struct scene_state *q)
-{
-    bool remembers = SCENE_ANY_FREE;
-    for (int j = 0; !SCENE_ANY_FREE && SCENE_ANY_SPRINGS && j < SCENE_CONTACTS; ++j) {
-        remembers = remembers || contact_has_springs(q->v, j);
-    }
-    return remembers;
-}
-
 bool motion_follow(struct scene_state *q, const struct body_path *next, bool jumps)
 {
     if (!motion_remembers_force(q)) {
@@ -109,7 +100,8 @@ bool motion_follow(struct scene_state *q, const struct body_path *next, bool jum
     bool stopped[SCENE_CONTACTS * OPPOSED];
     transition_stop_sliding(q, &at, stopped);
     take_paths(q, next, jumps);
-    transition_settle_regimes(q, stored, stopped);
+    transition_settle_regimes(q, stored, false);
+    transition_hold_springs(q, stopped);
     if (isfinite(q->external_work) || scene_is_force_element(q->v)) {
         return true;
     }

@@ -140,7 +140,14 @@ void motion_close(struct integrator *integrator);
 void motion_begin(struct scene_state *q);
 
 /* Whether the forces of the present change the state: bodies may be free, or friction has springs. */
-bool motion_remembers_force(const struct scene_state *q);
+static inline bool motion_remembers_force(const struct scene_state *q)
+{
+    bool remembers = SCENE_ANY_FREE;
+    for (int j = 0; !SCENE_ANY_FREE && SCENE_ANY_SPRINGS && j < SCENE_CONTACTS; ++j) {
+        remembers = remembers || contact_has_springs(q->v, j);
+    }
+    return remembers;
+}
 
 /* Changes the paths of the inputs and books the work that the change does. Returns false, and changes
  * nothing, where that work is not finite. `jumps`: the model itself integrates, so that the friction springs

@@ -906,7 +906,7 @@ void prescribed_settle(struct scene_state *q)
     if (SCENE_ANY_FRICTION && scene_turns(q->v)) {
         prescribed_lay_springs(q);
     }
-    transition_settle_regimes(q, 0.0, NULL);
+    transition_settle_regimes(q, 0.0, true);
 }
 
 void prescribed_begin(struct scene_state *q)

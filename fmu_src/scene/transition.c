@@ -492,13 +492,7 @@ static void slide_on(const struct rubbed *r)
     }
 }
 
-/*
- * Lets contacts with elastic friction without a dashpot stick where the limit of friction now grows faster
- * than the slip stretches the spring, and lets springs slide on that transition_stop_sliding has `stopped`,
- * if any. The cause is that gravity or the force of another contact on one of the bodies has jumped, and with
- * it the rate of F_n, or that F_n itself has jumped.
- */
-static void hold_springs(struct scene_state *q, const bool *stopped)
+void transition_hold_springs(struct scene_state *q, const bool *stopped)
 {
     for (int k = 0; SCENE_ANY_SPRINGS && k < SCENE_CONTACTS * OPPOSED; ++k) {
         const struct rubbed r = rubbed_of(q, k / OPPOSED, k % OPPOSED);
@@ -536,7 +530,7 @@ static void change_regime(struct scene_state *q, int contact, enum contact_regim
     transition_set_regime(q, contact, onset_note(q, at, contact, regime));
     zones_follow(q, at, contact);
     if (SCENE_CONTACTS > 1) {
-        hold_springs(q, NULL);
+        transition_hold_springs(q, NULL);
     }
     q->dissipated += before - energy_stored(at); /* what the stored energy loses by the change */
 }
@@ -550,7 +544,7 @@ void transition_take_event(struct scene_state *q, int contact, int event, enum c
     if (is_friction) {
         turning_take_event(q, contact, (enum ode_event)event);
         if (SCENE_CONTACTS > 1) {
-            hold_springs(q, NULL);
+            transition_hold_springs(q, NULL);
         }
     }
     scene_kinematics_now(q, at);
@@ -562,10 +556,9 @@ void transition_take_event(struct scene_state *q, int contact, int event, enum c
     note_instant(q, at);
 }
 
-void transition_settle_regimes(struct scene_state *q, double stored_before, const bool *stopped)
+void transition_settle_regimes(struct scene_state *q, double stored_before, bool starting)
 {
     struct scene_instant at;
-    const bool starting = stopped == NULL;
     scene_now(q, &at);
     for (int j = 0; SCENE_ANY_ZONES && j < SCENE_CONTACTS; ++j) {
         if (zones_margin(&at, j) < -rounding_of_gap(&at, j)) { /* the source faces another zone */
@@ -580,7 +573,6 @@ void transition_settle_regimes(struct scene_state *q, double stored_before, cons
         }
     }
     if (!starting) {
-        hold_springs(q, stopped);
         q->external_work += energy_stored(&at) - stored_before;
     }
     q->last_flight = 0.0;
@@ -598,7 +590,7 @@ void transition_take_law(struct scene_state *q, const bool *changed, double stor
             transition_set_regime(q, j, scene_regime(&at, j, true));
         }
     }
-    hold_springs(q, stopped);
+    transition_hold_springs(q, stopped);
     q->external_work += energy_stored(&at) - stored_before;
     begin_phase(q, &at);
 }

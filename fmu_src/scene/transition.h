@@ -40,23 +40,29 @@ void transition_take_event(struct scene_state *q, int contact, int event, enum c
 /*
  * Before inputs or parameters make F_n jump: a motion that slides without a dashpot sticks, with the spring
  * that carries the friction force of the instant `at`, because a limit of friction that jumps stretches no
- * spring. Sets `stopped` for each opposed motion of each contact. What follows the jump lets those slide on
- * whose limit has not grown.
+ * spring. Sets `stopped` for each opposed motion of each contact. transition_hold_springs follows the jump.
  */
 void transition_stop_sliding(struct scene_state *q, const struct scene_instant *at, bool *stopped);
 
 /*
- * Sets the regimes by the geometry of the present, at the start, where `stopped` is NULL, or after inputs
- * have jumped. `stored_before` [J] is the energy stored before the jump; the difference counts as external
- * work of whatever moved the prescribed body. After a jump, a gap smaller than its rounding bound leaves the
- * regime as it is.
+ * Lets contacts with elastic friction without a dashpot stick where the limit of friction now grows faster
+ * than the slip stretches the spring, and lets those motions that transition_stop_sliding has `stopped`, if
+ * any, slide on whose limit has not grown. The cause is that gravity or the force of another contact on one
+ * of the bodies has jumped, and with it the rate of F_n, or that F_n itself has jumped.
  */
-void transition_settle_regimes(struct scene_state *q, double stored_before, const bool *stopped);
+void transition_hold_springs(struct scene_state *q, const bool *stopped);
+
+/*
+ * Sets the regimes by the geometry of the present, at the start and after inputs have jumped. `stored_before`
+ * [J] is the energy stored before the jump; the difference counts as external work of whatever moved the
+ * prescribed body. A gap smaller than its rounding bound leaves the regime as it is, unless `starting`.
+ */
+void transition_settle_regimes(struct scene_state *q, double stored_before, bool starting);
 
 /*
  * Sets the regimes of the contacts whose law has `changed`, and begins a phase. Contacts that touch go on
  * touching. `stored_before` [J] is the energy that all contacts stored before; the difference counts as
- * external work.
+ * external work. `stopped` is that of transition_stop_sliding.
  */
 void transition_take_law(struct scene_state *q, const bool *changed, double stored_before,
                          const bool *stopped);
