@@ -219,12 +219,38 @@ static bool is_led(const struct scene_values *v, int body)
     return body_is_prescribed(v, body) || body_turn_is_prescribed(v, body);
 }
 
+/* Returns the part of a relative velocity or acceleration that can change the gap of a contact: the part
+ * along a plane's normal or across a cylinder's axis; the whole where the axis tilts or a zone may change. */
+static struct vec3 closing_part(const struct scene_instant *at, int contact, struct vec3 a)
+{
+    const struct contact_shape shape = scene_contact_shape(at->q, contact);
+    const bool turns = contact_tips(at->v, contact) || contact_is_zoned(&shape);
+    return turns ? a : flight_part_that_counts(&shape, shape.axis, a);
+}
+
+/* Whether a contact acts on the closing part of its bodies' motion alone: it does not rub, and no other
+ * contact that transmits a force shares a free body with it. */
+static bool acts_one_way(const struct scene_instant *at, int contact)
+{
+    return !contact_rubs(at->v, contact) && !contact_is_coupled(at->q, contact);
+}
+
+/* Returns how much of a push by one contact can change the gap of another one; a rounding at least. */
+static double part_that_closes(const struct scene_instant *at, int pushing, int contact)
+{
+    const struct contact_shape shape = scene_contact_shape(at->q, pushing);
+    const bool is_along = contact_is_plane(&shape) && !contact_is_zoned(&shape) &&
+                          !contact_tips(at->v, pushing) && acts_one_way(at, pushing);
+    return is_along ? fmax(vec3_norm(closing_part(at, contact, shape.axis)), DBL_EPSILON) : 1.0;
+}
+
 /* Returns a bound of the mean speed at which a contact that transmits a force takes its bodies off their
  * flight, against each other, within a time from now [m/s]. A law stores the energy E and dissipates, so that
- * S = sqrt(|w|^2 + 2 E / m_red) grows by no more than the acceleration without the contact's force. Friction
- * may also make motion of rotation: E counts the energy of rotation where the contact rubs. The rate w of the
- * separation is at most S, and that of the flight is too. INFINITY stands for a body that the importer moves,
- * whose velocity may contradict its displacement, or turns. */
+ * S = sqrt(|w|^2 + 2 E / m_red) grows by no more than the acceleration without the contact's force. Of both
+ * only the closing parts count where the contact acts one way. Friction may also make motion of rotation: E
+ * counts the energy of rotation where the contact rubs. The rate w of the separation is at most S, and that
+ * of the flight is too. INFINITY stands for a body that the importer moves, whose velocity may contradict its
+ * displacement, or turns. */
 static double deviation_speed_at_most(const struct scene_instant *at, int contact, double time)
 {
     if (is_led(at->v, contact_source(contact)) || is_led(at->v, contact_destination(contact))) {
@@ -240,12 +266,14 @@ static double deviation_speed_at_most(const struct scene_instant *at, int contac
                       ? body_rotational_energy(at->v, body, &at->q->turning.body[body])
                       : 0.0;
     }
+    const bool is_whole = !acts_one_way(at, contact);
     double acceleration = 0.0;
     for (int i = SEPARATION_DEGREE; i > 1; --i) {
-        acceleration = acceleration * time + i * (i - 1) * vec3_norm(flight.c[i]);
+        const struct vec3 part = is_whole ? flight.c[i] : closing_part(at, contact, flight.c[i]);
+        acceleration = acceleration * time + i * (i - 1) * vec3_norm(part);
     }
-    const double start =
-        vec3_dot(flight.w[0], flight.w[0]) + 2.0 * stored * scene_inverse_mass(at->v, contact);
+    const struct vec3 rate = is_whole ? flight.w[0] : closing_part(at, contact, flight.w[0]);
+    const double start = vec3_dot(rate, rate) + 2.0 * stored * scene_inverse_mass(at->v, contact);
     return 2.0 * (sqrt(start) + acceleration * time);
 }
 
@@ -253,7 +281,10 @@ static double deviation_speed_at_most(const struct scene_instant *at, int contac
  * a time from now, while other contacts act on them [m/s]. */
 static double approach_at_most(const struct scene_instant *at, int contact, double time)
 {
-    const struct separation_path flight = separation_path_of(at, at->q->clock, contact);
+    struct separation_path flight = separation_path_of(at, at->q->clock, contact);
+    for (int i = 1; i <= SEPARATION_DEGREE; ++i) {
+        flight.c[i] = closing_part(at, contact, flight.c[i]);
+    }
     double speed = path_size(flight.c + 1, SEPARATION_DEGREE, time);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         for (int end = 0; contact_transmits(at->q, j) && end < 2; ++end) {
@@ -261,7 +292,7 @@ static double approach_at_most(const struct scene_instant *at, int contact, doub
             if (body_is_free(at->v, body) &&
                 (body == contact_source(contact) || body == contact_destination(contact))) {
                 const double share = 1.0 / (body_mass(at->v, body) * scene_inverse_mass(at->v, j));
-                speed += share * deviation_speed_at_most(at, j, time);
+                speed += share * part_that_closes(at, j, contact) * deviation_speed_at_most(at, j, time);
             }
         }
     }
@@ -274,8 +305,8 @@ static double approach_at_most(const struct scene_instant *at, int contact, doub
 static const double NEARBY = 1e-3;
 
 /* Returns a time for which contacts that are apart stay so while other contacts act on their bodies [s]; 0
- * where one is too near or a body is prescribed. No gap changes faster than the separation. The gaps of a
- * chain do not count; NULL: there is none. */
+ * where one is too near or a body is prescribed. No gap changes faster than the closing part of the
+ * separation. The gaps of a chain do not count; NULL: there is none. */
 static double others_apart_for(const struct scene_instant *at, const struct chain *chain, double longest)
 {
     double time = longest;
