@@ -88,22 +88,47 @@ struct axis_bounds {
     double turn;  /* upper bound of |e x e''| [1/s^2] */
 };
 
-/* Bounds for a tumbling body: |omega| <= |L| / I_least, and from I omega' = tau - omega x I omega follows
- * |omega'| <= |tau| / I_least + |omega|^2 max |I_j - I_k| / I_least. */
+/* Returns a bound of |a x b| for vectors whose components are in size at most those of `a` and `b`. */
+static double cross_at_most(const double a[3], const double b[3])
+{
+    return vec3_norm(
+        vec3_make(a[1] * b[2] + a[2] * b[1], a[2] * b[0] + a[0] * b[2], a[0] * b[1] + a[1] * b[0]));
+}
+
+/* Bounds for a tumbling body, by components in the frame of its principal axes. |omega_k| is at most
+ * |L| / I_k, sqrt(2 E / I_k), and its start plus its change. By Euler's equations |omega_k'| is at most
+ * (|tau| + |I_i - I_j| |omega_i| |omega_j|) / I_k. Then e x e'' = e x (omega' x e) - (omega x e)(omega.e). */
 static struct axis_bounds tumbling_bounds(const struct axis_motion *motion, double time, double length)
 {
-    const struct vec3 i = motion->inertia;
-    const double least = fmin(i.x, fmin(i.y, i.z));
-    const double spread = fmax(fabs(i.x - i.y), fmax(fabs(i.y - i.z), fabs(i.z - i.x))) / least;
-    const struct body_turn *body = &motion->body;
     const struct vec3 omega =
-        quaternion_rotate(quaternion_inverse(body->orientation), body->angular_velocity);
+        quaternion_rotate(quaternion_inverse(motion->body.orientation), motion->body.angular_velocity);
+    const double start[3] = {fabs(omega.x), fabs(omega.y), fabs(omega.z)};
+    const double axis[3] = {fabs(motion->axis.x), fabs(motion->axis.y), fabs(motion->axis.z)};
+    const double i[3] = {motion->inertia.x, motion->inertia.y, motion->inertia.z};
     const double until = time + length - motion->from;
     const double torque = path_size(motion->coefficient, ROTOR_TORQUES, until);
     const double momentum =
-        vec3_norm(vec3_make(i.x * omega.x, i.y * omega.y, i.z * omega.z)) + torque * until;
-    const double speed = momentum / least;
-    return (struct axis_bounds){speed, torque / least + (spread + 0.5) * speed * speed};
+        vec3_norm(vec3_make(i[0] * omega.x, i[1] * omega.y, i[2] * omega.z)) + torque * until;
+    const double root = sqrt(i[0] * omega.x * omega.x + i[1] * omega.y * omega.y + i[2] * omega.z * omega.z) +
+                        torque * until / sqrt(fmin(i[0], fmin(i[1], i[2])));
+    double most[3];
+    double rate[3];
+    double change[3];
+    for (int k = 0; k < 3; ++k) {
+        most[k] = fmin(momentum / i[k], root / sqrt(i[k]));
+    }
+    for (int pass = 0; pass < 6; ++pass) { /* each twice: sharper bounds of two sharpen the third */
+        const int k = pass % 3;
+        const int next = (k + 1) % 3;
+        const int last = (k + 2) % 3;
+        rate[k] = (torque + fabs(i[next] - i[last]) * most[next] * most[last]) / i[k];
+        change[k] = until * rate[k];
+        most[k] = fmin(most[k], start[k] + change[k]);
+    }
+    const double now = vec3_norm(vec3_cross(omega, motion->axis));
+    const double speed = fmin(cross_at_most(most, axis), now + cross_at_most(change, axis));
+    const double along = most[0] * axis[0] + most[1] * axis[1] + most[2] * axis[2];
+    return (struct axis_bounds){speed, cross_at_most(rate, axis) + speed * along};
 }
 
 static struct axis_bounds axis_motion_bounds(const struct axis_motion *motion, double time, double length)

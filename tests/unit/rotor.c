@@ -5,6 +5,7 @@
 #include <float.h>
 
 #include "check.h"
+#include "flight/conservative_advancement.h"
 #include "random.h"
 
 /* Roundings of a rotation that has been put together from three, whatever the number of turns. */
@@ -207,4 +208,34 @@ TEST(three_moments_keep_momentum_and_energy)
         CHECK_VECTOR("momentum", momentum[1], momentum[0], 32.0L * DBL_EPSILON * vec3_norm(momentum[0]));
         CHECK_CLOSE("energy", energy[1], energy[0], 2000.0L * DBL_EPSILON * energy[0]);
     }
+}
+
+/* A sphere at the end of a slender pin, which tumbles, spins and drifts to a plane. A bound of the pin's
+ * angular velocity by |L| over the least moment takes a million evaluations. */
+TEST(the_touch_of_a_slender_pin_takes_few_evaluations)
+{
+    struct random r = {7};
+    long evaluations = 0;
+    for (int i = 0; i < 20; ++i) {
+        const struct body_turn pin = {quaternion_of_rotation(random_vector(&r, 3.0)), random_vector(&r, 5.0)};
+        struct advancement_path path = {.c = {{0.0, 0.0, -0.2}, {0.0, 0.0, 0.05}}, .degree = 1};
+        path.shape = (struct contact_shape){.axis = {0.0, 0.0, 1.0},
+                                            .source_radius = 0.01,
+                                            .half_length = (double)INFINITY,
+                                            .side = 1,
+                                            .destination = SHAPE_PLANE};
+        path.axis = (struct axis_motion){.kind = AXIS_FIXED, .axis = path.shape.axis};
+        path.lever[0] =
+            axis_motion_tumbling(vec3_make(0.0, 0.0, 1.0), &pin, vec3_make(1.0, 1.0, 0.003), NO_TORQUE);
+        path.lever_length[0] = 0.1;
+        const struct advancement_result touch = advancement_first(&path, 10.0, 1000000);
+        struct advancement_instant at;
+        evaluations += touch.evaluations;
+        for (int j = 0; j <= 1000; ++j) {
+            advancement_at(&path, 1e-3 * j * touch.after, &at);
+            CHECK(at.geometry.gap > -1e-14);
+        }
+        CHECK_CLOSE("gap", at.geometry.gap, 0.0L, 1e-14L);
+    }
+    CHECK(evaluations < 600);
 }
