@@ -6,6 +6,7 @@ import tomllib
 import pytest
 
 from support.generator.generated import FOLDER, ROOT, SCENES, files_of, generate, run, written_out
+from support.programs import finished
 
 EXTRA = ROOT / "tests" / "physics" / "scenes" / "ThreeBalls.toml"
 FILES = [*(ROOT / "modelDescription" / "scenes" / f"{scene}.toml" for scene in SCENES), EXTRA]
@@ -46,3 +47,17 @@ def test_wrong_arguments_say_what_is_needed():
     done = run("--scene", FOLDER / "scenes" / "BallOnSphere.toml")
     assert done.returncode == 2
     assert "--output" in done.stderr
+
+
+@pytest.mark.parametrize("name, kind", [("contact_core", "SCENES"), ("unit_geometry", "EXTRA_SCENES")])
+def test_a_scene_named_like_a_target_of_the_project_is_refused_in_words(tmp_path, quick_python, name, kind):
+    """One such target is defined before the scenes, the other one by the tests."""
+    text = EXTRA.read_text(encoding="utf-8")
+    scene = tmp_path / f"{name}.toml"
+    scene.write_text(text.replace('"ThreeBalls"', f'"{name}"'), encoding="utf-8")
+    command = ["cmake", "-S", str(ROOT), "-B", str(tmp_path / "build"), "-G", "Ninja", "-DCONTACT_FMI3=OFF"]
+    options = [f"-DCONTACT_{kind}={scene}", f"-DPython3_EXECUTABLE={quick_python}"]
+    made = finished([*command, *options])
+    assert made.returncode != 0
+    said = " ".join(made.stderr.split())
+    assert f"'name' is '{name}', but this build has another target '{name}' (allowed: any other" in said

@@ -50,8 +50,7 @@ def test_a_tenth_and_less_is_no_matter(opened, case):
 
 def test_beyond_the_ends_of_a_cylinder_nothing_overlaps(opened):
     name, values, _ = DEEP["cylinder"]
-    values = {**values, "destination.finite_length": True}
-    assert not warnings(start(opened(name), values))
+    assert not warnings(start(opened(name), {**values, "destination.finite_length": True}))
 
 
 def test_a_dashpot_alone_stores_nothing(opened):
@@ -84,9 +83,7 @@ def test_a_plane_that_accelerates_takes_no_more_steps_below_the_centre_than_abov
 @pytest.mark.parametrize("name", ["SphereSphere", "SphereCylinder"])
 def test_a_run_without_any_setting_bounces(opened, name):
     """A ball of 0.1 m falls half a metre onto a body of 0.5 m, from 1.1 m, and rises again."""
-    fmu = opened(name)
-    fmu.start()
-    fmu.step(0.6)
+    fmu = run(opened(name), {}, 0.6, 1, None, None)
     assert fmu["contact.onsets"] == 1
     check_close("onset", fmu["contact.last_onset_time"], (2 * 0.5 / 9.81) ** 0.5, 1e-9)
     assert fmu["source.velocity"][2] > 0.9 * (2 * 9.81 * 0.5) ** 0.5 - 9.81 * 0.3
@@ -94,7 +91,5 @@ def test_a_run_without_any_setting_bounces(opened, name):
 
 def test_the_force_element_presses_without_any_input(opened):
     """The bodies overlap by 1 mm at 1e6 N/m."""
-    fmu = opened("ForceElement")
-    fmu.start()
-    fmu.step(1e-3)
+    fmu = run(opened("ForceElement"), {}, 1e-3, 1, None, None)
     check_close("force", fmu["contact.source_force"], [1000.0, 0.0, 0.0], 1e-6)
