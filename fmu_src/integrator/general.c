@@ -1693,8 +1693,9 @@ void general_follow_kept(struct general *g, struct scene_state *q, double noted,
     }
 }
 
-/* Ends the advance by an event at the present. A step over a quiet motion spans many oscillations. A contact
- * that begins, ends or changes its law excites them, and a step of twice the first length follows them. */
+/* Ends the advance by an event at the present. A step over a quiet motion spans many oscillations of the
+ * springs. A contact that begins, ends or changes its law excites these oscillations, and a step of twice
+ * length_of_springs follows them. */
 static enum advance_result end_by_event(struct general *g, struct scene_state *q, struct advance *step,
                                         int event)
 {

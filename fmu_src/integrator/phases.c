@@ -246,11 +246,11 @@ static double part_that_closes(const struct scene_instant *at, int pushing, int 
 
 /* Returns a bound of the mean speed at which a contact that transmits a force takes its bodies off their
  * flight, against each other, within a time from now [m/s]. A law stores the energy E and dissipates, so that
- * S = sqrt(|w|^2 + 2 E / m_red) grows by no more than the acceleration without the contact's force. Of both
- * only the closing parts count where the contact acts one way. Friction may also make motion of rotation: E
- * counts the energy of rotation where the contact rubs. The rate w of the separation is at most S, and that
- * of the flight is too. INFINITY stands for a body that the importer moves, whose velocity may contradict its
- * displacement, or turns. */
+ * S = sqrt(|w|^2 + 2 E / m_red) grows by no more than the acceleration without the contact's force. Only the
+ * closing parts of w and of the acceleration count where the contact acts one way (acts_one_way). Friction
+ * may also make motion of rotation: E counts the energy of rotation where the contact rubs. The rate w of the
+ * separation is at most S, and that of the flight is too. INFINITY stands for a body that the importer moves,
+ * whose velocity may contradict its displacement, or turns. */
 static double deviation_speed_at_most(const struct scene_instant *at, int contact, double time)
 {
     if (is_led(at->v, contact_source(contact)) || is_led(at->v, contact_destination(contact))) {

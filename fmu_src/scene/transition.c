@@ -474,11 +474,12 @@ void transition_stop_sliding(struct scene_state *q, const struct scene_instant *
     }
 }
 
-/* Two limits of friction that differ by no more than this fraction are equal: their normal forces differ by
- * rounding. */
+/* A limit of friction that differs by no more than this fraction has not grown: the normal force has changed
+ * by rounding. */
 static const double SAME_LIMIT = 64.0 * DBL_EPSILON;
 
-/* Lets a motion slide on that transition_stop_sliding has stopped, unless its limit has grown. */
+/* Lets an opposed motion that transition_stop_sliding has stopped slide on, unless its limit of friction has
+ * grown. */
 static void slide_on(const struct rubbed *r)
 {
     struct scene_instant at;

@@ -38,17 +38,18 @@ void transition_take_event(struct scene_state *q, int contact, int event, enum c
                            struct scene_instant *at);
 
 /*
- * Before inputs or parameters make F_n jump: a motion that slides without a dashpot sticks, with the spring
- * that carries the friction force of the instant `at`, because a limit of friction that jumps stretches no
- * spring. Sets `stopped` for each opposed motion of each contact. transition_hold_springs follows the jump.
+ * A limit of friction that jumps stretches no spring. Before inputs or parameters make F_n jump, this
+ * function therefore lets each opposed motion that slides without a dashpot stick, with the spring that
+ * carries the friction force of the instant `at`. It sets `stopped` for each opposed motion of each contact:
+ * whether it has stopped the motion. transition_hold_springs has to follow the jump.
  */
 void transition_stop_sliding(struct scene_state *q, const struct scene_instant *at, bool *stopped);
 
 /*
- * Lets contacts with elastic friction without a dashpot stick where the limit of friction now grows faster
- * than the slip stretches the spring, and lets those motions that transition_stop_sliding has `stopped`, if
- * any, slide on whose limit has not grown. The cause is that gravity or the force of another contact on one
- * of the bodies has jumped, and with it the rate of F_n, or that F_n itself has jumped.
+ * Sets the springs of elastic friction without a dashpot after a jump. A motion that transition_stop_sliding
+ * has `stopped` slides on unless its limit of friction has grown; `stopped` is NULL where F_n itself has not
+ * jumped. A motion that slides sticks if its limit now grows faster than the slip stretches the spring: the
+ * rate of F_n jumps with gravity and with the force of another contact on one of the bodies.
  */
 void transition_hold_springs(struct scene_state *q, const bool *stopped);
 
@@ -62,7 +63,7 @@ void transition_settle_regimes(struct scene_state *q, double stored_before, bool
 /*
  * Sets the regimes of the contacts whose law has `changed`, and begins a phase. Contacts that touch go on
  * touching. `stored_before` [J] is the energy that all contacts stored before; the difference counts as
- * external work. `stopped` is that of transition_stop_sliding.
+ * external work. The array `stopped` comes from transition_stop_sliding, called before the change.
  */
 void transition_take_law(struct scene_state *q, const bool *changed, double stored_before,
                          const bool *stopped);

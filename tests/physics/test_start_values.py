@@ -6,7 +6,7 @@ import pytest
 
 from support.checks import check_close, run, start
 
-# FMU, start values, depth of the overlap [m]; radii of 0.1 m and 0.5 m
+# Each case has an FMU, start values and the depth of the overlap [m]. The radii are 0.1 m and 0.5 m.
 LYING = {"destination.axis": [0.0, 1.0, 0.0]}
 FREE = {"contact.location": "outside"}
 INSIDE = {"contact.location": "inside"}

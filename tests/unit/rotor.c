@@ -210,8 +210,8 @@ TEST(three_moments_keep_momentum_and_energy)
     }
 }
 
-/* A sphere at the end of a slender pin, which tumbles, spins and drifts to a plane. A bound of the pin's
- * angular velocity by |L| over the least moment takes a million evaluations. */
+/* A sphere at the end of a slender pin, which tumbles, spins and drifts to a plane. A bound by |L| over the
+ * least moment of inertia takes the search a million evaluations. */
 TEST(the_touch_of_a_slender_pin_takes_few_evaluations)
 {
     struct random r = {7};
